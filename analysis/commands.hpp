@@ -17,6 +17,7 @@
 #include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
+#include "output/file/estimate.hpp"
 #include "output/file/progress.hpp"
 #include "output/file/result_folder.hpp"
 
@@ -96,8 +97,9 @@ void finish(Divided& divided, const Common& common);
 /// ray, not after the tenth scene.
 void probe(const std::filesystem::path& file);
 
-/// Moves a bar on.
-[[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress);
+/// Moves a bar on, and with it an estimate of how long the run takes.
+[[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress,
+                                                           output::file::Estimate* estimate = nullptr);
 
 /// `before` and `after` around each of the values: ` -f f32 -f f64`.
 [[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");

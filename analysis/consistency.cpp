@@ -11,7 +11,6 @@
 #include "commands.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/consistency/consistency_files.hpp"
-#include "output/file/progress.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {
@@ -77,10 +76,7 @@ std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOpti
     // Files of many forms and checks take seconds to open: what is estimated begins here.
     output::file::Estimate estimate(progress, request.scene->id, request.scene->pixels() * request.rows.size(),
                                     common.quiet);
-    request.progress = [&estimate, advance = advancing(progress)](std::uint64_t done) {
-        advance(done);
-        estimate.advance(done);
-    };
+    request.progress = advancing(progress, &estimate);
     const auto rows = measure::consistency::run_consistency(request, &files);
     files.finish(rows);
     std::uint64_t unresolved = 0;

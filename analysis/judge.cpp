@@ -255,7 +255,8 @@ Exit run(const JudgeWords& o, const Common& common) {
                 "answers were computed in with --format\n",
                 o.file, result.rounded, dump->format().name);
         note_digits(o.file, dump->format(), result);
-        fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
+        fmt::print("{} ray{} of {}, read as {}\n", result.rays, result.rays == 1 ? "" : "s", o.file,
+                   dump->format().name);
         print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -25,11 +26,28 @@ using scene::sweep::SweepKind;
 
 namespace {
 
+using Row = std::vector<std::string>;
+
 /// A list as a table of words: the first column names, the others explain.
 struct Listing {
     std::vector<std::string> columns;
-    std::vector<std::vector<std::string>> rows;
+    std::vector<Row> rows = {};
 };
+
+/// A row of words for each item of a table.
+template <class Items, class RowOf>
+Listing listing(std::vector<std::string> columns, const Items& items, const RowOf& row_of) {
+    Listing l{std::move(columns)};
+    for (const auto& item : items) {
+        Row& row = l.rows.emplace_back();
+        for (const auto& word : row_of(item)) row.emplace_back(word);
+    }
+    return l;
+}
+
+/// Of what has no more to say of itself than views of words.
+template <std::size_t n>
+using Words = std::array<std::string_view, n>;
 
 /// The right answer to a ray that starts inside.
 std::string from_inside(intersect::Inside said, Shape shape) {
@@ -39,110 +57,101 @@ std::string from_inside(intersect::Inside said, Shape shape) {
     return zero_inside(shape) ? "zero" : "exit";
 }
 
-Listing intersectors() {
-    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "formats", "source"},
-              {}};
-    for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
-        const intersect::Info& info = *i.info;
-        const char* roots = info.roots == intersect::Roots::both         ? "both"
-                            : info.roots == intersect::Roots::near_only  ? "near only"
-                            : info.roots == intersect::Roots::first_only ? "first only"
-                                                                         : "none";
-        l.rows.push_back(
-            {std::string(info.name), std::string(info.title),
-             info.direction == intersect::Direction::unit ? "unit" : "any", roots,
-             info.touching == intersect::Touching::hit ? "hits" : "misses",
-             info.at_origin == intersect::AtOrigin::hit    ? "hits"
-             : info.at_origin == intersect::AtOrigin::miss ? "misses"
-                                                           : "exit",
-             from_inside(info.inside, i.shape),
-             is_flat(i.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none",
-             selection::formats_of(i), std::string(info.source)});
-    }
-    return l;
+Listing intersectors(const Common& /*common*/) {
+    return listing(
+        {"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "formats", "source"},
+        lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& i) {
+            const intersect::Info& info = *i.info;
+            const char* roots = info.roots == intersect::Roots::both         ? "both"
+                                : info.roots == intersect::Roots::near_only  ? "near only"
+                                : info.roots == intersect::Roots::first_only ? "first only"
+                                                                             : "none";
+            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
+                                    : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                                                                                  : "exit";
+            return Row{
+                std::string(info.name),
+                std::string(info.title),
+                info.direction == intersect::Direction::unit ? "unit" : "any",
+                roots,
+                info.touching == intersect::Touching::hit ? "hits" : "misses",
+                at_origin,
+                from_inside(info.inside, i.shape),
+                is_flat(i.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none",
+                selection::formats_of(i),
+                std::string(info.source)};
+        });
 }
 
-Listing formats() {
-    Listing l{{"name", "meaning"}, {}};
-    for (const FormatHelp& f : format_help) l.rows.push_back({std::string(f.name), std::string(f.meaning)});
-    return l;
+Listing formats(const Common& /*common*/) {
+    return listing({"name", "meaning"}, format_help, [](const FormatHelp& f) { return Words<2>{f.name, f.meaning}; });
 }
 
 /// Ways into the space of a solid under a matrix.
-Listing spaces() {
-    Listing l{{"name", "title", "direction", "source"}, {}};
-    for (const intersect::space::Space& s : intersect::space::spaces())
-        l.rows.push_back({std::string(s.info->name), std::string(s.info->title),
-                          s.info->direction == intersect::Direction::unit ? "unit" : "any",
-                          std::string(s.info->source)});
-    return l;
+Listing spaces(const Common& /*common*/) {
+    return listing({"name", "title", "direction", "source"}, intersect::space::spaces(), [](const auto& s) {
+        return Words<4>{s.info->name, s.info->title, s.info->direction == intersect::Direction::unit ? "unit" : "any",
+                        s.info->source};
+    });
 }
 
 /// Ways of computing the box around a solid.
-Listing hulls() {
-    Listing l{{"name", "title", "source"}, {}};
-    for (const intersect::hull::HullWay& way : intersect::hull::hulls())
-        l.rows.push_back({std::string(way.info->name), std::string(way.info->title), std::string(way.info->source)});
-    return l;
+Listing hulls(const Common& /*common*/) {
+    return listing({"name", "title", "source"}, intersect::hull::hulls(), [](const auto& way) {
+        return Words<3>{way.info->name, way.info->title, way.info->source};
+    });
 }
 
 /// Ways to make the ray of a pixel.
-Listing makers() {
-    Listing l{{"name", "title", "begins", "source"}, {}};
-    for (const scene::camera::Maker& m : scene::camera::makers())
-        l.rows.push_back({std::string(m.info->name), std::string(m.info->title),
-                          m.info->from_near ? "near plane" : "eye", std::string(m.info->source)});
-    return l;
+Listing makers(const Common& /*common*/) {
+    return listing({"name", "title", "begins", "source"}, scene::camera::makers(), [](const auto& m) {
+        return Words<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
+    });
 }
 
-Listing metric_table() {
-    Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
-    for (const measure::metric::Metric& m : measure::metric::metrics()) {
-        l.rows.push_back({std::string(m.name), std::string(m.unit), std::string(m.layer), m.by_default ? "yes" : "no",
-                          std::string(m.meaning)});
-    }
+Listing metric_table(const Common& /*common*/) {
+    Listing l = listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
+                        [](const measure::metric::Metric& m) {
+                            return Words<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
+                        });
     measure::metric::MetricSet made;
-    for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) {
-        const measure::metric::Metric& m = *made.find(name);
-        l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
-                          std::string(m.meaning) + "; `lostbits list labels` shows the labels of each form"});
-    }
-    const measure::metric::Metric& step = *made.find("step:origin");
-    l.rows.push_back(
-        {"step:NAME", std::string(step.unit), std::string(step.layer), "no",
-         std::string(step.meaning) + fmt::format("; one of {}", fmt::join(intersect::space::step_names, ", "))});
-    for (const auto& [name, such_as] :
-         {std::pair("tolerance:LENGTH", "tolerance:0.001"), std::pair("enough_bits:BITS", "enough_bits:16")}) {
+    const auto add = [&](const char* name, const char* such_as, bool has_unit, const std::string& more) {
         const measure::metric::Metric& m = *made.find(such_as);
-        l.rows.push_back({name, "", std::string(m.layer), "no", std::string(m.meaning) + ", or any other number"});
-    }
+        l.rows.push_back(
+            {name, has_unit ? std::string(m.unit) : "", std::string(m.layer), "no", std::string(m.meaning) + more});
+    };
+    for (const char* name : {"contribution:LABEL", "cancellation:LABEL"})
+        add(name, name, true, "; `lostbits list labels` shows the labels of each form");
+    add("step:NAME", "step:origin", true, fmt::format("; one of {}", fmt::join(intersect::space::step_names, ", ")));
+    add("tolerance:LENGTH", "tolerance:0.001", false, ", or any other number");
+    add("enough_bits:BITS", "enough_bits:16", false, ", or any other number");
     return l;
 }
 
 /// Rules for the origin of the next ray, and how many operations each costs.
-Listing strategies() {
-    Listing l{{"name"}, {}};
-    for (const ShapeRow& shape : shape_rows) l.columns.push_back("operations_" + std::string(shape.name));
-    l.columns.insert(l.columns.end(), {"source", "title"});
-    for (const measure::offset::Strategy& s : measure::offset::strategies()) {
-        auto& row = l.rows.emplace_back(1, std::string(s.name));
+Listing strategies(const Common& /*common*/) {
+    std::vector<std::string> columns{"name"};
+    for (const ShapeRow& shape : shape_rows) columns.push_back("operations_" + std::string(shape.name));
+    columns.insert(columns.end(), {"source", "title"});
+    return listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& s) {
+        Row row{std::string(s.name)};
         for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(s.operations(shape.shape)));
         row.insert(row.end(), {std::string(s.source), std::string(s.title)});
-    }
-    return l;
+        return row;
+    });
 }
 
 /// Pairs of questions that should have one answer.
-Listing checks() {
-    Listing l{{"name", "title", "first", "second"}, {}};
-    for (const measure::consistency::Check& c : measure::consistency::checks())
-        l.rows.push_back({std::string(c.name), std::string(c.title), std::string(c.first), std::string(c.second)});
-    return l;
+Listing checks(const Common& /*common*/) {
+    return listing({"name", "title", "first", "second"}, measure::consistency::checks(),
+                   [](const measure::consistency::Check& c) {
+                       return Words<4>{c.name, c.title, c.first, c.second};
+                   });
 }
 
 /// What runs shaders, in a line each.
 Listing devices(const Common& common) {
-    Listing l{{"name", "renderer", "version", "dot", "arithmetic"}, {}};
+    Listing l{{"name", "renderer", "version", "dot", "arithmetic"}};
     for (const std::string& kind : selection::devices_of({"all"})) {
         const selection::DeviceTold told = selection::ask_device(kind, common.doors);
         const auto fact = [&told](std::string_view key) {
@@ -160,18 +169,16 @@ Listing devices(const Common& common) {
 }
 
 /// What each form names its operations: those of one solid of its shape.
-Listing labels() {
-    Listing l{{"name", "labels"}, {}};
+Listing labels(const Common& /*common*/) {
     std::vector<Solid<double>> solids;
     for (const ShapeRow& row : shape_rows) solids.push_back(solid_around<double>(row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
-    for (const intersect::table::Intersector& form : lostbits::intersect::table::intersectors()) {
+    return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
         auto all = measure::blame::labels_of(
             form, {!is_solid(form.shape) ? std::span(solids).first(1) : std::span(solids), &march});
         std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
-        l.rows.push_back({std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))});
-    }
-    return l;
+        return Row{std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))};
+    });
 }
 
 /// `sweeps` in the data folder. InputError where there is none: an empty list would say that all is well.
@@ -186,7 +193,7 @@ std::filesystem::path folder_of(const std::filesystem::path& data, const char* w
 }
 
 Listing scenes(const Common& common) {
-    Listing l{{"name", "variants", "inputs", "title"}, {}};
+    Listing l{{"name", "variants", "inputs", "title"}};
     for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
@@ -196,46 +203,37 @@ Listing scenes(const Common& common) {
     return l;
 }
 
-/// What a sweep runs over: its axes, the number of its cases, or the metric that a search makes large.
-std::string axis_of(const std::filesystem::path& path, const std::filesystem::path& data, std::string& title) {
+/// What a sweep runs over, its axes, the number of its cases, or the metric that a search makes large; and its title.
+std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& path,
+                                                   const std::filesystem::path& data) {
+    const auto of = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
     switch (scene::sweep::sweep_kind(path)) {
-        case SweepKind::cases: {
-            const scene::sweep::CaseFile file(path);
-            title = file.title;
-            return fmt::format("{} cases", file.size());
-        }
-        case SweepKind::search: {
-            const scene::sweep::SearchFile file(path);
-            title = file.title;
-            return "search for " + file.metric;
-        }
-        case SweepKind::edge_search: {
-            const scene::sweep::EdgeSearchFile file(path, data);
-            title = file.title;
-            return "search along edges";
-        }
-        case SweepKind::every_float: {
-            const scene::sweep::ExhaustiveFile file(path, data);
-            title = file.title;
-            return "every float of " + file.axis.name;
-        }
+        case SweepKind::cases:
+            return of(scene::sweep::CaseFile(path), [](const auto& f) { return fmt::format("{} cases", f.size()); });
+        case SweepKind::search:
+            return of(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
+        case SweepKind::edge_search:
+            return of(scene::sweep::EdgeSearchFile(path, data),
+                      [](const auto&) { return std::string("search along edges"); });
+        case SweepKind::every_float:
+            return of(scene::sweep::ExhaustiveFile(path, data),
+                      [](const auto& f) { return "every float of " + f.axis.name; });
         case SweepKind::axes: break;
     }
-    const scene::sweep::SweepFile file(path, data);
-    title = file.title;
-    std::string text;
-    for (const scene::sweep::Axis& axis : file.axes) text += (text.empty() ? "" : " x ") + axis.name;
-    return text;
+    return of(scene::sweep::SweepFile(path, data), [](const auto& f) {
+        std::string text;
+        for (const scene::sweep::Axis& axis : f.axes) text += (text.empty() ? "" : " x ") + axis.name;
+        return text;
+    });
 }
 
 Listing sweeps(const Common& common) {
-    Listing l{{"name", "axis", "title"}, {}};
+    Listing l{{"name", "axis", "title"}};
     const auto data = selection::data_folder(common.data), root = folder_of(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
-        std::string title, axis = axis_of(entry.path(), data, title);
-        l.rows.push_back(
-            {entry.path().lexically_relative(root).replace_extension().string(), std::move(axis), std::move(title)});
+        const auto [axis, title] = axis_and_title(entry.path(), data);
+        l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string(), axis, title});
     }
     std::ranges::sort(l.rows);
     return l;
@@ -243,7 +241,7 @@ Listing sweeps(const Common& common) {
 
 /// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
 Listing claims(const Common& common) {
-    Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
+    Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = folder_of(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
@@ -254,7 +252,7 @@ Listing claims(const Common& common) {
     return l;
 }
 
-void print(const Listing& l, bool last_is_long) {
+void print(const Listing& l) {
     std::vector<std::size_t> widths;
     for (std::size_t c = 0; c < l.columns.size(); ++c) {
         std::size_t w = l.columns[c].size();
@@ -264,7 +262,7 @@ void print(const Listing& l, bool last_is_long) {
     const auto line = [&](const std::vector<std::string>& cells) {
         std::string text;
         for (std::size_t c = 0; c < cells.size(); ++c) {
-            text += c + 1 == cells.size() && last_is_long ? cells[c] : fmt::format("{:<{}}  ", cells[c], widths[c]);
+            text += c + 1 == cells.size() ? cells[c] : fmt::format("{:<{}}  ", cells[c], widths[c]);
         }
         text.erase(text.find_last_not_of(' ') + 1);
         fmt::print("{}\n", output::file::terminal_line(text));
@@ -283,24 +281,20 @@ void print_json(const Listing& l) {
     fmt::print("{}\n", array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
+/// In the order of the help.
+constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
+    {"forms", intersectors},    {"intersectors", intersectors},
+    {"labels", labels},         {"formats", formats},
+    {"metrics", metric_table},  {"scenes", scenes},
+    {"sweeps", sweeps},         {"claims", claims},
+    {"strategies", strategies}, {"checks", checks},
+    {"spaces", spaces},         {"hulls", hulls},
+    {"makers", makers},         {"devices", devices}};
+
 Exit run(const std::string& what, bool json, const Common& common) {
-    const auto make = [&](const std::string& name) {
-        if (name == "formats") return formats();
-        if (name == "metrics") return metric_table();
-        if (name == "spaces") return spaces();
-        if (name == "hulls") return hulls();
-        if (name == "makers") return makers();
-        if (name == "labels") return labels();
-        if (name == "strategies") return strategies();
-        if (name == "checks") return checks();
-        if (name == "devices") return devices(common);
-        if (name == "scenes") return scenes(common);
-        if (name == "sweeps") return sweeps(common);
-        if (name == "claims") return claims(common);
-        return intersectors();
-    };
-    if (json) print_json(make(what));
-    else print(make(what), true);
+    const Listing made = std::ranges::find(lists, what, [](const auto& list) { return list.first; })->second(common);
+    if (json) print_json(made);
+    else print(made);
     return Exit::done;
 }
 
@@ -313,9 +307,9 @@ void add_list(const shell::Command& program, const Common& common) {
                                        "devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
-    command.add("WHAT", *what, "What to list",
-                shell::one_of({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
-                               "strategies", "checks", "spaces", "hulls", "makers", "devices"}));
+    std::vector<std::string> names;
+    for (const auto& [name, list] : lists) names.emplace_back(name);
+    command.add("WHAT", *what, "What to list", shell::one_of(names));
     command.add("--json", *json, "As a JSON array");
     command.runs([what, json, &common] { return run(*what, *json, common); });
 }

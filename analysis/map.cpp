@@ -17,7 +17,6 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
-#include "output/file/progress.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -200,10 +199,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
         // Its rays are asked in many widths: what the map took says nothing of it.
         output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
                                         common.quiet);
-        request.progress = [&estimate, advance = work.needed->progress](std::uint64_t done) {
-            estimate.advance(done);
-            advance(done);
-        };
+        request.progress = advancing(progress, &estimate);
         summaries.needed = measure::evaluate::run_needed(request, needed_files->sinks());
     }
     if (division.is_shard()) {
@@ -270,7 +266,6 @@ Exit run(MapOptions o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
-    const auto advance = advancing(progress);
     auto folder = folders.begin();
     for (SceneWork work : works) {  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
@@ -279,12 +274,8 @@ Exit run(MapOptions o, const Common& common) {
         output::file::Estimate estimate(progress, work.map.scene->id,
                                         work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
                                         common.quiet, bands);
-        work.map.progress = [&](std::uint64_t done) {
-            estimate.advance(done);
-            advance(done);
-        };
+        work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
-        if (work.needed) work.needed->progress = advance;
         unresolved +=
             map_scene(work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
                       {common, progress, divided.division});

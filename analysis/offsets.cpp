@@ -11,7 +11,6 @@
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
-#include "output/file/progress.hpp"
 #include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "scene/file/scene.hpp"
@@ -137,13 +136,9 @@ Exit run(const OffsetOptions& o, const Common& common) {
 
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
-    const auto advance = advancing(progress);
     auto folder = folders.begin();
     for (OffsetRequest& request : requests) {
-        request.progress = [&](std::uint64_t done) {
-            advance(done);
-            estimate.advance(done);
-        };
+        request.progress = advancing(progress, &estimate);
         unresolved += offset_scene(request, o, common, progress);
         (folder++)->reset();
     }

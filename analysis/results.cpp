@@ -99,8 +99,11 @@ void finish(Divided& divided, const Common& common) {
 
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }
 
-std::function<void(std::uint64_t)> advancing(output::file::Progress& progress) {
-    return [&progress](std::uint64_t done) { progress.advance(done); };
+std::function<void(std::uint64_t)> advancing(output::file::Progress& progress, output::file::Estimate* estimate) {
+    return [&progress, estimate](std::uint64_t done) {
+        progress.advance(done);
+        if (estimate != nullptr) estimate->advance(done);
+    };
 }
 
 std::string each(const char* before, const std::vector<std::string>& values, const char* after) {

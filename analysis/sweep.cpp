@@ -46,11 +46,11 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 }
 
 /// What a run over named cases leaves: the matrix.
-void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
-                   const Common& common) {
+void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
-    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = {.stop = common.stop}};
+    measure::sweep::CaseRequest request{
+        .file = &file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics =
         chosen.made.for_forms(selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
                               [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
@@ -60,25 +60,23 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
             request.rows.push_back(row);
         }
     }
-    if (!common.quiet) selection::note_lost_numbers(file, rows);
-    const auto folder = std::filesystem::path(o.out) / file.id;
-    const auto owner = chosen.own(folder, path, common);
+    if (!chosen.common.quiet) selection::note_lost_numbers(file, rows);
+    const auto folder = chosen.folder_of(file.id);
+    const auto owner = chosen.own(file.id, path);
     std::optional<output::sweep::CaseFiles> files;
-    if (owner) files.emplace(request, folder, selection::name_of_sweep(path, selection::data_folder(common.data)));
+    if (owner) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
-    Watched progress(file.id, request.share.of_units(file.size()).size() * request.rows.size(), common);
-    request.progress = progress.advancing();
-    const auto found =
-        chosen.division().result_of("sweep " + file.id, [&request] { return measure::sweep::run_cases(request); });
-    if (found) files->finish(*found);
-    progress.finish();
-    if (!common.quiet && found) fmt::print("{}\n", (folder / "cases.csv").string());
+    const auto units = request.share.of_units(file.size()).size() * request.rows.size();
+    const auto found = chosen.measured(file.id, units, request, measure::sweep::run_cases);
+    if (!found) return;
+    files->finish(*found);
+    if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
-void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
-              const Common& common) {
-    scene::sweep::SweepFile sweep(path, selection::data_folder(common.data), selection::read_changes(o.changes));
-    sweep.title += o.changes.in_title();
+void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+    const Common& common = chosen.common;
+    scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o));
+    sweep.title += chosen.o.in_title();
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
@@ -93,24 +91,21 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
         chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
                               [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
-    request.further_draws = o.seeds.value_or(2);
+    request.further_draws = chosen.o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;
     selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
-    const auto folder = std::filesystem::path(o.out) / sweep.id;
-    const auto owner = chosen.own(folder, path, common);
+    const auto folder = chosen.folder_of(sweep.id);
+    const auto owner = chosen.own(sweep.id, path);
     const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
-    Watched progress(sweep.id, measure::sweep::sweep_units(request) / request.share.of, common);
-    request.progress = progress.advancing();
-    const auto found =
-        chosen.division().result_of("sweep " + sweep.id, [&request] { return measure::sweep::measure_sweep(request); });
-    if (!found) return progress.finish();
+    const auto units = measure::sweep::sweep_units(request) / request.share.of;
+    const auto found = chosen.measured(sweep.id, units, request, measure::sweep::measure_sweep);
+    if (!found) return;
     const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets});
     files->finish(steps, onsets);
-    progress.finish();
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
         std::vector<double> first;
         std::string step;
@@ -128,30 +123,6 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
 
 using selection::Meets;
 
-/// A search has these in its file, or has nothing for them: it would ignore them without a word.
-void refuse_what_searches_ignore(const std::string& search, bool edges, const SweepOptions& o) {
-    const auto refuse = [&](const std::string& given, const std::string& why, const std::string& instead) {
-        const std::string option = given.substr(0, given.find(' '));
-        throw InputError(fmt::format("{}: {} {}; leave out {}{}", given, search, why, option, instead));
-    };
-    if (!o.metrics.empty() && edges)
-        refuse("--metric " + o.metrics.front(), "searches for the nearest cracks and double hits, not for a metric",
-               "");
-    if (!o.metrics.empty())
-        refuse("--metric " + o.metrics.front(), "searches by the metric that its file names",
-               ", and try --set metric=" + o.metrics.front());
-    if (o.seeds)
-        refuse(fmt::format("--seeds {}", *o.seeds), "has no onsets, and its file has the seed of its rays",
-               ", and try --set seed=N");
-    if (!o.against.empty()) refuse("--against " + o.against, "compares with the truth alone", "");
-}
-
-/// InputError where further draws are asked of a sweep that has none.
-void refuse_draws(const std::string& sweep, const std::string& why, const SweepOptions& o) {
-    if (o.seeds.value_or(0) > 0)
-        throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep, why));
-}
-
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data) {
@@ -164,23 +135,24 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (!o.worst && searches)
         throw InputError(path.string() +
                          ":1:1: this file has a table of a search, which only --worst uses; add --worst");
-    if (searches) refuse_what_searches_ignore(path.stem().string(), kind == K::edge_search, o);
-    selection::check_changes(o.changes, kind, path.stem().string());
+    selection::check_changes(o, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
-    if (kind == K::cases) refuse_draws(path.stem().string(), "names its rays and draws none at random", o);
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
     if (kind == K::edge_search)
-        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o.changes).set)](Shapes forms) {
+        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set)](Shapes forms) {
             return file.meets(forms);
         };
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o.changes));
-        if (!sweep.is_drawn()) refuse_draws(sweep.id, "has the rays of its scene and draws none at random", o);
-        if (sweep.axes.size() != 1) refuse_draws(sweep.id, "has two axes, and onsets are found along one", o);
+        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o));
+        const char* const why = !sweep.is_drawn()        ? "has the rays of its scene and draws none at random"
+                                : sweep.axes.size() != 1 ? "has two axes, and onsets are found along one"
+                                                         : nullptr;
+        if (why != nullptr && o.seeds.value_or(0) > 0)
+            throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep.id, why));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
-    const scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);
+    const scene::sweep::SearchFile search(path, selection::read_changes(o).set);
     measure::metric::MetricSet made;
     const measure::metric::Metric* const metric = made.find(search.metric);
     if (metric == nullptr) {
@@ -196,7 +168,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     return only(search.shape);
 }
 
-/// Of several sweeps one was stopped: those in front of it have no state any more, those behind it none yet.
+/// Of several sweeps one was stopped: those in front of it are done, and have their state; those behind it none yet.
 void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
     const bool any = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
     for (const auto& run : runs)
@@ -211,7 +183,9 @@ Exit run(SweepOptions o, const Common& common) {
                                           selection::select_formats(o.formats.empty() ? both : o.formats)),
                          {},
                          made,
-                         divided};
+                         divided,
+                         o,
+                         common};
     if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, made);
@@ -235,8 +209,7 @@ Exit run(SweepOptions o, const Common& common) {
                 throw InputError(word + ": sweep \"" + path.stem().string() +
                                  "\" is given twice; both would write to the same folder");
         }
-        if (kind == SweepKind::every_float) check_exhaustive_options(path.stem().string(), o);
-        else if (o.resume)
+        if (kind != SweepKind::every_float && o.resume)
             throw InputError("--resume: " + path.stem().string() +
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o, data)});
@@ -247,7 +220,7 @@ Exit run(SweepOptions o, const Common& common) {
     selection::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
-        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o.changes, data), std::back_inserter(files));
+        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data), std::back_inserter(files));
     divided = divide(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
@@ -256,22 +229,22 @@ Exit run(SweepOptions o, const Common& common) {
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
-            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, data, chosen, o, common));
+            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen));
     }
     if (o.resume) resume_stopped(exhaustive);
     const selection::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         try {
-            if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
-            else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
-            else if (kind == SweepKind::search) run_search(path, chosen, o, common);
-            else if (kind == SweepKind::edge_search) run_edge_search(path, chosen, o, common);
+            if (kind == SweepKind::cases) run_case_file(path, chosen);
+            else if (kind == SweepKind::axes) run_axes(path, chosen);
+            else if (kind == SweepKind::search) run_search(path, chosen);
+            else if (kind == SweepKind::edge_search) run_edge_search(path, chosen);
         } catch (const Interrupted&) {
             throw Error(Exit::interrupted, selection::interrupted_text(kind, path.stem().string()));
         }
     }
     std::uint64_t unproved = 0;
-    for (const auto& run : exhaustive) unproved += run->run();
+    for (const auto& run : exhaustive) unproved += run->run(exhaustive.size() > 1);
     finish(divided, common);
     for (const auto& run : exhaustive) run->forget_state();
     return end_with_unproved(unproved);
@@ -290,10 +263,10 @@ void add_sweep(const shell::Command& program, const Common& common) {
     command.add("--seeds", o->seeds,
                 "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)",
                 shell::whole_from(0, 1000));
-    command.add("--size", o->changes.size,
+    command.add("--size", o->size,
                 "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
-    command.add("--steps", o->changes.steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
-    command.add_set(o->changes.set,
+    command.add("--steps", o->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
+    command.add_set(o->set,
                     "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
                     "march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");

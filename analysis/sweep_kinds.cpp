@@ -30,25 +30,23 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                             const ChosenOfSweep& chosen, const SweepOptions& o, const Common& common)
-    : sweep_(path, data),
+ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSweep& chosen)
+    : sweep_(path, chosen.data()),
       path_(path),
-      folder_(std::filesystem::path(o.out) / sweep_.id),
-      job_("sweep " + sweep_.id),
-      unfinished_(folder_,
-                  {.program = program_and_version,
-                   .command = common.typed.of(selection::name_of_sweep(path, data)),
-                   .inputs = hash_of_inputs(
-                       selection::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
-                   .share = chosen.division().share()},
-                  job_),
-      chosen_(chosen),
-      common_(common) {
+      folder_(chosen.folder_of(sweep_.id)),
+      unfinished_(
+          folder_,
+          {.program = program_and_version,
+           .command = chosen.common.typed.of(selection::name_of_sweep(path, chosen.data())),
+           .inputs = hash_of_inputs(
+               selection::files_of(path, scene::sweep::SweepKind::every_float, chosen.o, chosen.data()), chosen.common),
+           .share = chosen.division().share()},
+          "sweep " + sweep_.id),
+      chosen_(chosen) {
     request_.sweep = &sweep_;
     request_.share = chosen.division().share();
-    request_.limit.stop = common.stop;
-    if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, data);
+    request_.limit.stop = chosen.common.stop;
+    if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
     for (TestedForm row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
@@ -64,11 +62,11 @@ void ExhaustiveRun::resume() {
     resumed_ = true;
 }
 
-ExhaustiveState ExhaustiveRun::try_all() {
+ExhaustiveState ExhaustiveRun::try_all(bool keep) {
     probe(unfinished_.path());
     const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    Watched progress(sweep_.id, floats * each, common_, state_.tried * each);
+    Watched progress(sweep_.id, floats * each, chosen_.common, state_.tried * each);
     request_.progress = progress.advancing();
     auto kept = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {
@@ -81,32 +79,36 @@ ExhaustiveState ExhaustiveRun::try_all() {
     } catch (const Interrupted&) {
         progress.finish();
         unfinished_.write(output::shard::bits_of(state_));
-        if (!common_.quiet)
+        if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
                        sweep_.id, percent(state_.tried, floats));
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
+    if (keep) unfinished_.write(output::shard::bits_of(state_));
     return std::move(state_);
 }
 
 void ExhaustiveRun::forget_state() const {
+    const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, true) : nullptr;
     output::file::forget_result(unfinished_.path());
     std::error_code ignored;
     if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
 }
 
-std::uint64_t ExhaustiveRun::run() {
+std::uint64_t ExhaustiveRun::run(bool others_follow) {
+    const Common& common = chosen_.common;
     // Someone may have forgotten --resume; the state is there until this run keeps its own.
-    if (!resumed_ && !common_.quiet && unfinished_.is_there())
+    if (!resumed_ && !common.quiet && unfinished_.is_there())
         fmt::print(stderr,
                    "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
                    unfinished_.path().string());
-    const auto owner = chosen_.own(folder_, path_, common_, resumed_);
+    const auto owner = chosen_.own(sweep_.id, path_, resumed_);
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (owner) files.emplace(request_, folder_);
     const auto found = chosen_.division().result_of(
-        job_, [this] { return try_all(); }, [this](const ExhaustiveState& part) { part.require_of(request_); });
+        "sweep " + sweep_.id, [&] { return try_all(others_follow); },
+        [this](const ExhaustiveState& part) { part.require_of(request_); });
     if (!found) return 0;
     // Where a state of --resume is joined as if it were a shard, floats are missing that no sentence may speak of.
     if (const std::uint64_t all = measure::sweep::floats_of(sweep_, {}); found->tried != all)
@@ -116,59 +118,35 @@ std::uint64_t ExhaustiveRun::run() {
             found->tried, all, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
-    forget_state();
+    if (!others_follow) output::file::forget_result(unfinished_.path());
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
-    if (common_.quiet) return unresolved;
+    if (common.quiet) return unresolved;
     fmt::print("{}\n", (folder_ / "binades.csv").string());
     for (const auto& finding : findings) fmt::print("{}\n", output::sweep::statement(request_, finding));
-    if (common_.verbose) print_stages(found->stages);
+    if (common.verbose) print_stages(found->stages);
     return unresolved;
 }
 
-void check_exhaustive_options(const std::string& sweep, const SweepOptions& o) {
-    const auto other = std::ranges::find_if(o.formats, [](const std::string& name) { return name != "f32"; });
-    if (other != o.formats.end())
-        throw InputError(
-            fmt::format("-f {}: {} tries every number of one format, and that is f32; leave out -f", *other, sweep));
-    if (!o.metrics.empty())
-        throw InputError(
-            fmt::format("--metric {}: {} tries every float and measures outcomes and ulp errors alone; "
-                        "leave out --metric, and ask `lostbits explain` about single floats",
-                        o.metrics.front(), sweep));
-    if (o.seeds)
-        throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
-                                     *o.seeds, sweep));
-    if (!o.against.empty())
-        throw InputError(
-            fmt::format("--against {}: {} tries every float and compares with the truth alone; leave out "
-                        "--against",
-                        o.against, sweep));
-}
-
-void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
-                const Common& common) {
-    scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);
-    search.title += o.changes.in_title();
+void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+    scene::sweep::SearchFile search(path, selection::read_changes(chosen.o).set);
+    search.title += chosen.o.in_title();
     measure::sweep::WorstRequest request{
         .search = search,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
-        .limit = {.stop = common.stop}};
+        .limit = {.stop = chosen.common.stop}};
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
     request.metrics =
         chosen.made.for_forms(selection::measured({chosen.made.find(search.metric)}, request.rows),
                               measure::evaluate::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
-    const auto folder = std::filesystem::path(o.out) / search.id;
-    const auto owner = chosen.own(folder, path, common);
+    const auto folder = chosen.folder_of(search.id);
+    const auto owner = chosen.own(search.id, path);
     if (owner) probe(folder / "worst.csv");
     request.share = chosen.division().share();
-    Watched progress(search.id, request.share.of_units(request.rows.size()).size(), common);
-    request.progress = progress.advancing();
-    const auto found =
-        chosen.division().result_of("sweep " + search.id, [&request] { return measure::sweep::find_worst(request); });
-    progress.finish();
+    const auto found = chosen.measured(search.id, request.share.of_units(request.rows.size()).size(), request,
+                                       measure::sweep::find_worst);
     if (!found) return;
     if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() +
@@ -176,36 +154,30 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, 
                               "exclude all of the other ranges");
     }
     output::sweep::write_worst(folder, request, *found);
-    if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
+    if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
-void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
-                     const Common& common) {
-    const auto data = selection::data_folder(common.data);
-    scene::sweep::EdgeSearchFile search(path, data, selection::read_changes(o.changes).set);
-    search.title += o.changes.in_title();
+void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+    scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set);
+    search.title += chosen.o.in_title();
     measure::edges::EdgeRequest request{
         .search = search,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
-        .limit = {.stop = common.stop}};
+        .limit = {.stop = chosen.common.stop}};
     for (const TestedForm& row : request.rows)
         if (scene::rays::maker_of(*row.form) != nullptr)
             throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
                              " are not those of a camera; name the form without @ray-");
-    const auto folder = std::filesystem::path(o.out) / search.id;
-    const auto owner = chosen.own(folder, path, common);
+    const auto folder = chosen.folder_of(search.id);
+    const auto owner = chosen.own(search.id, path);
     if (owner) probe(folder / "worst.csv");
     request.share = chosen.division().share();
-    Watched progress(search.id, measure::edges::sought.size() * request.share.of_units(request.rows.size()).size(),
-                     common);
-    request.progress = progress.advancing();
-    const auto found =
-        chosen.division().result_of("sweep " + search.id, [&request] { return measure::edges::find_nearest(request); });
-    progress.finish();
+    const auto units = measure::edges::sought.size() * request.share.of_units(request.rows.size()).size();
+    const auto found = chosen.measured(search.id, units, request, measure::edges::find_nearest);
     if (!found) return;
-    const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, data)};
+    const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
-    if (common.quiet) return;
+    if (chosen.common.quiet) return;
     fmt::print("{}\n", (folder / "worst.csv").string());
     for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -72,7 +73,11 @@ TradeRequest request_for(const Scene& scene, const selection::ChosenRows& all) {
 
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_timed_formats(o.formats));
+    const auto formats = selection::select_formats(o.formats);
+    if (const auto emulated = std::ranges::find_if(formats, selection::is_emulated); emulated != formats.end())
+        throw InputError(fmt::format(
+            "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", emulated->name));
+    auto rows = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(rows, "trade");
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;

@@ -83,16 +83,6 @@ std::filesystem::path form_flags_folder() {
 
 bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
 
-std::vector<Format> select_timed_formats(const std::vector<std::string>& names) {
-    const auto formats = select_formats(names);
-    for (const Format& f : formats) {
-        if (is_emulated(f))
-            throw InputError(fmt::format(
-                "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", f.name));
-    }
-    return formats;
-}
-
 scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data) {
     auto scenes = load_scenes(choice, data);
     if (scenes.size() == 1) return std::move(scenes.front());

@@ -45,9 +45,6 @@ std::filesystem::path form_flags_folder();
 /// Whether a format is computed by software here, so that its time says nothing.
 [[nodiscard]] bool is_emulated(const Format& format);
 
-/// f32 and f64, by name. InputError for any other format: it is emulated.
-std::vector<Format> select_timed_formats(const std::vector<std::string>& names);
-
 /// The one scene that is named. InputError where its file has several variants and none is named.
 scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
 

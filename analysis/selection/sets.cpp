@@ -27,24 +27,23 @@ std::vector<Shape> listed(Shapes shapes) {
     return all;
 }
 
-/// "spheres and boxes"
-std::string joined_plurals(const std::vector<Shape>& shapes) {
+/// "spheres, boxes and cones", of so many words.
+std::string joined(std::size_t count, const std::function<std::string(std::size_t)>& word) {
     std::string text;
-    for (std::size_t k = 0; k < shapes.size(); ++k)
-        text += (k == 0 ? "" : k + 1 == shapes.size() ? " and " : ", ") + std::string(row_of(shapes[k]).plural);
+    for (std::size_t k = 0; k < count; ++k) text += (k == 0 ? "" : k + 1 == count ? " and " : ", ") + word(k);
     return text;
+}
+
+std::string joined_plurals(const std::vector<Shape>& shapes) {
+    return joined(shapes.size(), [&shapes](std::size_t k) { return std::string(row_of(shapes[k]).plural); });
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
 std::string count_words(const std::vector<Forms>& by_shape, std::size_t count) {
-    std::string text;
-    for (std::size_t k = 0; k < by_shape.size(); ++k)
-        text += fmt::format("{}{} of {}",
-                            k == 0                     ? ""
-                            : k + 1 == by_shape.size() ? " and "
-                                                       : ", ",
-                            by_shape[k].size(), row_of(by_shape[k].front()->shape).plural);
-    return fmt::format("{} make {} sets, one form for each shape", text, count);
+    const auto words = [&by_shape](std::size_t k) {
+        return fmt::format("{} of {}", by_shape[k].size(), row_of(by_shape[k].front()->shape).plural);
+    };
+    return fmt::format("{} make {} sets, one form for each shape", joined(by_shape.size(), words), count);
 }
 
 /// Every combination of one form of each list that can be a set. InputError, which begins with `who`, for too many, and

@@ -64,26 +64,49 @@ scene::sweep::SweepChanges read_changes(const SweepWords& words) {
 
 void check_changes(const SweepWords& words, SweepKind kind, const std::string& name) {
     if (kind == SweepKind::axes) return;
-    const auto refuse = [&name](const std::string& option, const std::string& why) {
-        throw InputError(fmt::format("{}: {} {}", option, name, why));
+    const auto first = [](const std::vector<std::string>& given) { return given.empty() ? "" : given.front(); };
+    const auto other = std::ranges::find_if(words.formats, [](const std::string& format) { return format != "f32"; });
+    const bool draws_none = kind == SweepKind::cases && words.seeds == 0;  // which cases do anyway
+    /// What each kind has to say to a word that means nothing to it.
+    struct Row {
+        const char* option;
+        std::string given;
+        const char *cases, *search, *edges, *every_float;
     };
-    const bool cases = kind == SweepKind::cases, edges = kind == SweepKind::edge_search,
-               search = kind == SweepKind::search || edges;
-    const std::string more = edges ? "--set rays=N" : "--set starts=N";
-    if (!words.size.empty())
-        refuse("--size " + words.size, cases    ? "has no picture: its rays are the cases; leave out --size"
-                                       : search ? "has no picture: its rays are searched; leave out --size, and try " +
-                                                      more + " for more of them"
-                                                : "has no picture: its rays are in the file; leave out --size");
-    if (!words.steps.empty())
-        refuse("--steps " + words.steps, cases ? "has no steps but its cases; leave out --steps"
-                                         : search
-                                             ? "has no steps; try " + more + (edges ? "" : " or --set generations=N")
-                                             : "tries every float of its range; leave out --steps");
-    if (!words.set.empty() && !search)
-        refuse("--set " + words.set.front(),
-               cases ? "names each of its cases by its numbers; copy the file and change them there"
-                     : "says what is true of the very numbers in its file; copy the file and change them there");
+    const Row rows[] = {
+        {"--size", words.size, "has no picture: its rays are the cases; leave out --size",
+         "has no picture: its rays are searched; leave out --size, and try --set starts=N for more of them",
+         "has no picture: its rays are searched; leave out --size, and try --set rays=N for more of them",
+         "has no picture: its rays are in the file; leave out --size"},
+        {"--steps", words.steps, "has no steps but its cases; leave out --steps",
+         "has no steps; try --set starts=N or --set generations=N", "has no steps; try --set rays=N",
+         "tries every float of its range; leave out --steps"},
+        {"--set", first(words.set), "names each of its cases by its numbers; copy the file and change them there",
+         nullptr, nullptr, "says what is true of the very numbers in its file; copy the file and change them there"},
+        {"-f", other == words.formats.end() ? "" : *other, nullptr, nullptr, nullptr,
+         "tries every number of one format, and that is f32; leave out -f"},
+        {"--metric", first(words.metrics), nullptr,
+         "searches by the metric that its file names; leave out --metric, and try --set metric={}",
+         "searches for the nearest cracks and double hits, not for a metric; leave out --metric",
+         "tries every float and measures outcomes and ulp errors alone; leave out --metric, and ask `lostbits "
+         "explain` about single floats"},
+        {"--seeds", words.seeds && !draws_none ? std::to_string(*words.seeds) : "",
+         "names its rays and draws none at random; leave out --seeds",
+         "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
+         "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
+         "tries every float and draws nothing at random; leave out --seeds"},
+        {"--against", words.against, nullptr, "compares with the truth alone; leave out --against",
+         "compares with the truth alone; leave out --against",
+         "tries every float and compares with the truth alone; leave out --against"}};
+    for (const Row& row : rows) {
+        const char* const why = kind == SweepKind::cases         ? row.cases
+                                : kind == SweepKind::search      ? row.search
+                                : kind == SweepKind::edge_search ? row.edges
+                                                                 : row.every_float;
+        if (row.given.empty() || why == nullptr) continue;
+        const std::string text = fmt::format(fmt::runtime(why), row.given);
+        throw InputError(fmt::format("{} {}: {} {}", row.option, row.given, name, text));
+    }
 }
 
 std::string interrupted_text(SweepKind kind, const std::string& name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,9 @@ namespace lostbits::analysis::selection {
 /// As on the command line; what was not given is empty.
 struct SweepWords {
     std::string size, steps;
-    std::vector<std::string> set;
+    std::vector<std::string> set = {}, formats = {}, metrics = {};
+    std::string against = {};
+    std::optional<int> seeds = {};
 
     /// ` (--steps 5, --set views=8)`: what the title of a changed sweep ends in.
     [[nodiscard]] std::string in_title() const;

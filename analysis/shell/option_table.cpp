@@ -1,7 +1,8 @@
 #include "analysis/shell/option_table.hpp"
 
 #include <algorithm>
-#include <map>
+#include <iterator>
+#include <string_view>
 
 namespace lostbits::analysis::shell {
 
@@ -10,34 +11,25 @@ namespace {
 /// Options and arguments whose values `lostbits list` knows, and those that are files.
 Values known_values(const std::string& name) {
     using Kind = Values::Kind;
-    static const std::map<std::string, Values> known{{"intersector", {Kind::names, {"forms"}}},
-                                                     {"against", {Kind::names, {"forms"}}},
-                                                     {"format", {Kind::names, {"formats"}}},
-                                                     {"f", {Kind::names, {"formats"}}},
-                                                     {"as", {Kind::names, {"formats"}}},
-                                                     {"metric", {Kind::names, {"metrics"}}},
-                                                     {"strategy", {Kind::names, {"strategies"}}},
-                                                     {"check", {Kind::names, {"checks"}}},
-                                                     {"filter", {Kind::names, {"claims"}}},
-                                                     {"claims", {Kind::names, {"claims"}}},
-                                                     {"scene", {Kind::names, {"scenes"}}},
-                                                     {"SCENE", {Kind::names, {"scenes"}}},
-                                                     {"SWEEP", {Kind::names, {"sweeps"}}},
-                                                     {"SUBJECT", {Kind::names, {"scenes", "sweeps"}}},
-                                                     {"out", {Kind::folders, {}}},
-                                                     {"data", {Kind::folders, {}}},
-                                                     {"report", {Kind::folders, {}}},
-                                                     {"plugin", {Kind::files, {}}},
-                                                     {"junit", {Kind::files, {}}},
-                                                     {"export-csv", {Kind::files, {}}},
-                                                     {"export-json", {Kind::files, {}}},
-                                                     {"FILE", {Kind::files, {}}},
-                                                     {"CLAIMS", {Kind::files, {}}},
-                                                     {"LIBRARY", {Kind::files, {}}},
-                                                     {"A", {Kind::files, {}}},
-                                                     {"B", {Kind::files, {}}}};
-    const auto found = known.find(name);
-    return found == known.end() ? Values{} : found->second;
+    struct Known {
+        Values values;
+        std::vector<std::string_view> options;
+    };
+    static const Known known[] = {
+        {{Kind::names, {"forms"}}, {"intersector", "against"}},
+        {{Kind::names, {"formats"}}, {"format", "f", "as"}},
+        {{Kind::names, {"metrics"}}, {"metric"}},
+        {{Kind::names, {"strategies"}}, {"strategy"}},
+        {{Kind::names, {"checks"}}, {"check"}},
+        {{Kind::names, {"claims"}}, {"filter", "claims"}},
+        {{Kind::names, {"scenes"}}, {"scene", "SCENE"}},
+        {{Kind::names, {"sweeps"}}, {"SWEEP"}},
+        {{Kind::names, {"scenes", "sweeps"}}, {"SUBJECT"}},
+        {{Kind::folders, {}}, {"out", "data", "report"}},
+        {{Kind::files, {}}, {"plugin", "junit", "export-csv", "export-json", "FILE", "CLAIMS", "LIBRARY", "A", "B"}}};
+    const auto found = std::ranges::find_if(
+        known, [&name](const Known& k) { return std::ranges::find(k.options, name) != k.options.end(); });
+    return found == std::end(known) ? Values{} : found->values;
 }
 
 /// The words of a set that the option is checked against: its type shows them as `TEXT:{none,csv}`, and as

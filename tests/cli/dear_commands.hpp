@@ -52,6 +52,7 @@ inline constexpr std::array dear_commands{
     DearCommand{"sweep exhaustive-mesh-edge ", "test_mesh_floats.cpp"},
     DearCommand{"sweep data/sweeps/sdf-", "test_march.cpp"},
     DearCommand{"sweep instance-distance-sphere ", "test_spaces.cpp"},
+    DearCommand{"sweep sphere-distance -i sphere.schoolbook --steps 14 ", "tests/measure/metric"},
     DearCommand{"trade --shape box ", "test_trade.cpp"},
     DearCommand{"trade --scene near-benign ", "test_trade.cpp"},
     DearCommand{"check --profile timing", "test_check.cpp"},

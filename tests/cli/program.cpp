@@ -2,9 +2,12 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <stdexcept>
+
+#include "catch.hpp"
 
 namespace lostbits::test {
 
@@ -22,7 +25,38 @@ Outcome run(const std::string& arguments, const fs::path& folder, const std::str
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
 }
 
+Outcome must(const std::string& arguments, const fs::path& folder, const std::string& before) {
+    Outcome r = run(arguments, folder, before);
+    INFO(arguments << "\n" << r.out << r.err);
+    REQUIRE(r.code == 0);
+    return r;
+}
+
+void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows) {
+    const auto before = folder.files();
+    for (const Refused& row : rows) {
+        const Outcome r = run(command + " " + row.words, folder.path());
+        INFO(command << " " << row.words << "\n" << r.err);
+        CHECK(r.code == row.code);
+        CHECK(has(r.err, row.says));
+        CHECK(r.err.starts_with("lostbits: "));
+        CHECK(r.out.empty());
+        CHECK(folder.files() == before);
+        CHECK_FALSE(fs::exists(folder / "out"));
+    }
+}
+
 void draw_pictures() { setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_SHIPPED_IMAGES, 1); }
+
+std::vector<std::string> files_below(const fs::path& folder) {
+    std::vector<std::string> names;
+    std::error_code gone;  // what a living run removes meanwhile
+    for (auto at = fs::recursive_directory_iterator(folder, gone); at != fs::end(at); at.increment(gone)) {
+        if (at->is_regular_file(gone)) names.push_back(at->path().lexically_relative(folder).string());
+    }
+    std::ranges::sort(names);
+    return names;
+}
 
 std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     std::istringstream in(contents(file));
@@ -48,6 +82,27 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
         for (std::size_t i = 0; i < header.size(); ++i) row[header[i]] = cells[i];
     }
     return rows;
+}
+
+std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head) {
+    std::string text = "schema = \"lostbits-claims/1\"\n" + head;
+    for (const ClaimText& c : claims)
+        text += "[[claim]]\nid = \"" + c.id + "\"\nstatement = \"A sentence\"\nsource = \"" + c.source +
+                "\"\nverdict = " + c.verdict + "\n" + c.more + "[claim.given]\n" + c.given + "[claim.expect]\n" +
+                c.expect;
+    return text;
+}
+
+void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>& rows, const std::string& head,
+                          const std::string& options) {
+    for (const RefusedClaim& row : rows) {
+        const std::string text = claims_of({{"c", row.given, row.expect, row.more, row.verdict}}, head);
+        const auto r = run("check '" + folder.write("c.toml", text) + "'" + options, folder.path());
+        INFO(text << r.out << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "c.toml:"));
+        CHECK(has(r.err, row.says));
+    }
 }
 
 const std::string small_sweep = R"(schema = "lostbits-sweep/1"
@@ -87,20 +142,8 @@ steps = 6
 set = ["march.hit_eps"]
 )";
 
-const std::string one_claim = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "mine"
-statement = "It is so"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "mine.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 1]
-)";
+const std::string one_claim =
+    claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
 
 const std::string good_scene = R"(schema = "lostbits-scene/1"
 title = "A test"

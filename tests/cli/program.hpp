@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,17 @@ struct Outcome {
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
+/// The same, which succeeds.
+Outcome must(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
+
+/// Words that are refused, a part of what is said, and the exit code.
+struct Refused {
+    std::string words, says;
+    int code = 2;
+};
+/// Runs `lostbits COMMAND WORDS` of each row in the folder: it prints nothing, and leaves nothing there.
+void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows);
+
 /// The option that takes results into a folder of the scratch folder, or into itself (`""`).
 inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
     return " -o '" + (folder.empty() ? scratch.path() : scratch.path() / folder).string() + "'";
@@ -38,8 +50,24 @@ inline std::string into(const Scratch& scratch, const std::string& folder = "out
 /// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
 void draw_pictures();
 
-/// Whether a text contains another.
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+/// Whether a text contains another; a check that fails shows both.
+class Has {
+public:
+    Has(const std::string& text, const std::string& part)
+        : text_(text), part_(part), is_(text.find(part) != std::string::npos) {}
+    operator bool() const { return is_; }
+    friend std::ostream& operator<<(std::ostream& out, const Has& has) {
+        return out << '"' << has.part_ << "\" in\n" << has.text_.substr(0, 4000);
+    }
+
+private:
+    const std::string &text_, &part_;
+    bool is_;
+};
+inline Has has(const std::string& text, const std::string& part) { return {text, part}; }
+
+/// The names of all files below a folder, relative to it, sorted.
+std::vector<std::string> files_below(const std::filesystem::path& folder);
 
 /// A CSV without quotes or line breaks inside its fields, row by row, by column name.
 std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file);
@@ -53,6 +81,28 @@ inline double number_in(const std::string& cell) {
 extern const std::string small_sweep;
 /// One over a constant of a march.
 extern const std::string march_sweep;
+/// A claim of a file: what stands in `[claim.given]` and in `[claim.expect]`, and keys of its own.
+struct ClaimText {
+    std::string id, given, expect, more = {}, verdict = "\"holds\"", source = "-";
+};
+/// A file of them; `head` has keys of the file.
+std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head = "");
+/// What such a claim tests, and what it expects.
+inline std::string tested(const std::string& form, const std::string& format = "f32") {
+    return "form = \"" + form + "\"\nformat = \"" + format + "\"\n";
+}
+inline std::string metric_in(const std::string& metric, const std::string& in = "[0, 1]") {
+    return "metric = \"" + metric + "\"\nin = " + in + "\n";
+}
+
+/// A claim that is refused at its place, and a part of what is said.
+struct RefusedClaim {
+    std::string given, expect, says, more = {}, verdict = "\"holds\"";
+};
+/// Runs `lostbits check` of each in the folder, as c.toml.
+void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>& rows, const std::string& head = "",
+                          const std::string& options = "");
+
 /// A file of one claim, about a scene `mine.toml` beside it.
 extern const std::string one_claim;
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.

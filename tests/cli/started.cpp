@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <thread>
 
-namespace lostbits::test {
+#include "program.hpp"
 
-namespace fs = std::filesystem;
+namespace lostbits::test {
 
 Started::Started(const std::vector<std::string>& words, const fs::path& folder, const std::vector<int>& ignored) {
     std::vector<std::string> owned{LOSTBITS_PROGRAM};
@@ -62,16 +62,6 @@ int Started::wait() {
     if (!over_) ::waitpid(pid_, &status_, 0);
     over_ = true;
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
-}
-
-std::vector<std::string> files_below(const fs::path& folder) {
-    std::vector<std::string> names;
-    std::error_code gone;  // what a living run removes meanwhile
-    for (auto at = fs::recursive_directory_iterator(folder, gone); at != fs::end(at); at.increment(gone)) {
-        if (at->is_regular_file(gone)) names.push_back(at->path().lexically_relative(folder).string());
-    }
-    std::ranges::sort(names);
-    return names;
 }
 
 bool has_partial_files(const fs::path& folder) {

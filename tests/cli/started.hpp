@@ -35,9 +35,6 @@ private:
     bool over_ = false;
 };
 
-/// The names of all files below a folder, relative to it, sorted.
-std::vector<std::string> files_below(const std::filesystem::path& folder);
-
 /// Whether a run is writing a file below this folder, or was killed while it did.
 bool has_partial_files(const std::filesystem::path& folder);
 

@@ -1,4 +1,4 @@
-// `lostbits choose` from the outside. Times are not asserted.
+// `lostbits choose` from the outside, of a scene and of rays of files. Times are not asserted.
 #include <algorithm>
 
 #include "catch.hpp"
@@ -11,7 +11,7 @@ using namespace lostbits::test;
 namespace {
 
 Outcome choose(const std::string& words, const Scratch& scratch) {
-    return run("choose " + words + " --quick --size 32x32 -o '" + scratch.path().string() + "'");
+    return run("choose " + words + " --quick --size 32x32" + into(scratch, ""));
 }
 
 }  // namespace
@@ -19,11 +19,10 @@ Outcome choose(const std::string& words, const Scratch& scratch) {
 TEST_CASE("choose says what meets a wish, and writes every form by price") {
     const Scratch scratch;
     const auto r = choose("rtg-fig-7-3-4100-oblique --bits 40 -i sphere.schoolbook -i sphere.unified", scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "The cheapest is sphere.unified in f64"));
     CHECK(has(r.out, "It holds"));
-    const auto folder = scratch.path() / "rtg-fig-7-3-4100-oblique";
+    const auto folder = scratch / "rtg-fig-7-3-4100-oblique";
     const auto rows = read_csv(folder / "choose.csv");
     REQUIRE(rows.size() == 4);
     double before = 0;
@@ -35,14 +34,13 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
         CHECK(row.at("chosen") == (chosen ? "1" : "0"));
     }
     CHECK(read_csv(folder / "room.csv").size() == 3);  // parallel rays have no view to widen
-    CHECK(std::filesystem::exists(folder / "front.png"));
+    CHECK(fs::exists(folder / "front.png"));
 }
 
 TEST_CASE("choose takes a length for a wish") {
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique", forms = " -i sphere.unified,sphere.schoolbook -f f32,f64";
     const auto r = choose(scene + " --tolerance 0.5mm --unit m --at max" + forms, scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "every hit at most 0.0005 off, no wrong decision"));
     CHECK(has(r.out, " off, no wrong decision in 1024 rays"));
@@ -57,17 +55,15 @@ TEST_CASE("choose takes a length for a wish") {
     const auto both = choose(scene + " --tolerance 1 --bits 40" + forms, scratch);
     CHECK(both.code == 0);
     CHECK(has(both.out, "40 correct bits of 99 of 100 hits and at most 1 off"));
-    CHECK(has(choose(scene, scratch).err, "no wish is given; add --bits 16"));
 }
 
 TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "Pixel by pixel"));
-    const auto folder = scratch.path() / "near-benign";
-    CHECK(std::filesystem::exists(folder / "requirement.png"));
+    const auto folder = scratch / "near-benign";
+    CHECK(fs::exists(folder / "requirement.png"));
     const auto rows = read_csv(folder / "requirement.csv");
     REQUIRE(rows.size() == 6);  // two rows with a time, three formats, and nothing
     int required = 0, of_formats = 0;
@@ -101,7 +97,7 @@ TEST_CASE("choose says so where nothing is hit, and does not blame the inputs") 
     CHECK(away.code == 1);
     CHECK(has(away.out, "None of the rays truly hits anything"));
     CHECK_FALSE(has(away.out, "the inputs"));
-    CHECK(read_csv(scratch.path() / "near-benign" / "inputs.csv").empty());
+    CHECK(read_csv(scratch / "near-benign" / "inputs.csv").empty());
 }
 
 TEST_CASE("a wish is said as it was typed") {
@@ -111,18 +107,112 @@ TEST_CASE("a wish is said as it was typed") {
 }
 
 TEST_CASE("choose refuses what is no wish") {
+    check_refused(Scratch(), "choose -o out",
+                  {{"near-benign --bits nan", "--bits nan: is not a number from 0 to 53"},
+                   {"near-benign --bits 60", "--bits 60: is not a number from 0 to 53"},
+                   {"near-benign --bits 1 --wrong nan", "is not a number from 0 to 1"},
+                   {"near-benign --bits 16 --at p", "--at p"},
+                   {"near-benign --bits 16 --at p100", "--at p100"},
+                   {"near-benign", "no wish is given; add --bits 16"},
+                   {"near-benign --bits 8 -f fp16", "emulated"},
+                   {"near-benign --bits 8 -i 'box.*'", "sphere.*", 4},
+                   {"rtg-fig-7-4 --bits 8", "variants"}});
+}
+
+namespace {
+
+const std::string far_rays = "'" LOSTBITS_DATA_DIR
+                             "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
+                             "-i sphere.schoolbook";
+
+const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
+
+}  // namespace
+
+TEST_CASE("choose takes a file of rays, and says what its own answers are worth") {
     const Scratch scratch;
-    const auto nan = choose("near-benign --bits nan", scratch);
-    CHECK(nan.code == 2);
-    CHECK(has(nan.err, "--bits nan: is not a number from 0 to 53"));
-    CHECK(has(choose("near-benign --bits 1 --wrong nan", scratch).err, "is not a number from 0 to 1"));
-    CHECK(has(choose("near-benign --bits 16 --at p", scratch).err, "--at p"));
-    CHECK(has(choose("near-benign --bits 16 --at p100", scratch).err, "--at p100"));
-    CHECK(choose("near-benign --bits 60", scratch).code == 2);
-    CHECK(choose("near-benign", scratch).code == 2);
-    CHECK(has(choose("near-benign --bits 8 -f fp16", scratch).err, "emulated"));
-    CHECK(choose("near-benign --bits 8 -i 'box.*'", scratch).code == 4);
-    CHECK(has(choose("rtg-fig-7-4 --bits 8", scratch).err, "variants"));
+    const auto r = must("choose " + far_rays + " --bits 16" + into(scratch, ""));
+    CHECK(has(r.out, "no wrong decision in 1536 rays"));
+    CHECK(has(r.out, "The answers that were there, file.far-sphere in f32"));
+    CHECK(has(r.out, "185 of 1536 rays decided wrongly"));
+    CHECK(has(r.out, "they do not meet the wish"));
+    CHECK(has(r.out, "the rays start"));
+    CHECK_FALSE(has(r.out, "camera"));
+    CHECK_FALSE(has(r.out, "next ray"));
+    const auto rows = read_csv(scratch / "far-sphere" / "choose.csv");
+    REQUIRE(rows.size() == 5);
+    CHECK(rows.back().at("form") == "file.far-sphere");
+    CHECK(rows.back().at("time_ns").empty());
+    CHECK(rows.back().at("wrong") == "185");
+    // The renderer that wrote the file has the operations of this form.
+    const auto same = std::ranges::find_if(
+        rows, [](const auto& row) { return row.at("form") == "sphere.schoolbook" && row.at("format") == "f32"; });
+    REQUIRE(same != rows.end());
+    CHECK(same->at("wrong") == "185");
+    CHECK(same->at("kept_bits") == rows.back().at("kept_bits"));
+    CHECK(read_csv(scratch / "far-sphere" / "room.csv").size() == 3);
+    CHECK(fs::exists(scratch / "far-sphere" / "front.png"));
+}
+
+TEST_CASE("choose takes raw rays, a pipe and several files") {
+    const Scratch scratch;
+    const std::string rest =
+        " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch, "");
+    const std::string raw = LOSTBITS_DATA_DIR "/dumps/far-sphere.f32";
+    const auto by_columns = must("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
+    CHECK(has(by_columns.out, "in 1536 rays"));
+    const std::string csv = LOSTBITS_DATA_DIR "/dumps/far-sphere.csv";
+    const auto twice = must("choose '" + csv + "' '" + csv + "'" + rest);
+    CHECK(has(twice.out, "in 3072 rays"));
+    CHECK(has(twice.out, "370 of 3072 rays decided wrongly"));
+    const auto piped = must("choose /dev/stdin --container csv" + rest, ".", "cat '" + csv + "' |");
+    CHECK(has(piped.out, "in 1536 rays"));
+}
+
+TEST_CASE("where rays of a file are more exact than a format, its inputs stand in the way") {
+    const Scratch scratch;
+    std::string text = head;
+    for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
+    scratch.write("near.csv", text);
+    const auto r = run("choose near.csv --bits 16 -f f32 -i sphere.unified --quick -o .", scratch.path());
+    CHECK(r.code == 1);
+    CHECK(
+        has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
+    CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
+    const auto rows = read_csv(scratch / "near" / "inputs.csv");
+    REQUIRE(rows.size() == 16);
+    CHECK(rows.front().at("place") == "binary32");
+    CHECK(rows.back().at("place") == "binary64");
+    CHECK(std::stod(rows.front().at("exact_kept_bits")) < 9);
+    CHECK(std::stod(rows.back().at("f64_kept_bits")) > 30);
+}
+
+TEST_CASE("choose refuses files that are none, and words for the other subject") {
+    const Scratch scratch;
+    const std::string ray = "0,0,0,0,0,1,0,0,5,1\n";
+    const std::pair<const char*, std::string> files[] = {{"empty.csv", ""},
+                                                         {"no-rays.csv", head},
+                                                         {"nan.csv", head + ray + "nan,0,0,0,0,1,0,0,5,1\n"},
+                                                         {"zero.csv", head + "0,0,0,0,0,0,0,0,5,1\n"},
+                                                         {"columns.csv", "a,b,c\n1,2,3\n"},
+                                                         {"solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"},
+                                                         {"a.csv", head + ray}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    check_refused(scratch, "choose --bits 16 --quick -o out",
+                  {{"empty.csv", "empty.csv"},
+                   {"no-rays.csv", "has no rays"},
+                   {"nan.csv", "nan.csv:3:1"},
+                   {"zero.csv", "zero.csv:2"},
+                   {"columns.csv", "columns.csv:1"},
+                   {"solid.csv", "no column has a solid"},
+                   {"none.csv", "none.csv"},
+                   {"a.csv --size 4x4", "--size: is about a scene"},
+                   {"a.csv near-benign", "near-benign"},
+                   {"near-benign --sphere 0,0,0,1", "--sphere: is about files of rays"},
+                   {"near-benign sphereflake-near", "a choice is for one scene"},
+                   {"near-benign --file-format f32", "--file-format: is about files"},
+                   {"a.csv --file-format f23", "unknown format"},
+                   {"a.csv -i 'box.*'", "sphere.*", 4}});
 }
 
 }  // namespace test_choose

@@ -1,31 +1,24 @@
-// `lostbits consistency` from the outside: its files, what it refuses, and that its commands and claims say the same.
+// `lostbits consistency` and `lostbits offsets` from the outside: their files, what they refuse, and that commands and
+// claims say the same.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/file/read_csv.hpp"
+#include "explained.hpp"
 #include "program.hpp"
 
 namespace test_consistency {
 
 using namespace lostbits::test;
-using lostbits::output::file::CsvTable;
 
 namespace {
 
-std::string cell_of(const CsvTable& table, const std::string& column, std::size_t row) {
-    const auto* const found = table.find(column);
-    INFO(column);
-    REQUIRE(found != nullptr);
-    return std::string(found->cells.at(row));
-}
+using Row = std::map<std::string, std::string>;
 
-std::size_t place_of(const CsvTable& table, const std::string& check) {
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        if (cell_of(table, "check", i) == check) return i;
-    }
-    FAIL("no row of " + check);
-    return 0;
+const Row& row_of(const std::vector<Row>& table, const std::string& check) {
+    const auto found = std::ranges::find_if(table, [&](const Row& row) { return row.at("check") == check; });
+    REQUIRE(found != table.end());
+    return *found;
 }
 
 }  // namespace
@@ -33,10 +26,8 @@ std::size_t place_of(const CsvTable& table, const std::string& check) {
 TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     const Scratch scratch;
     const auto r =
-        run("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv --pictures all" + into(scratch, ""));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto folder = scratch.path() / "near-benign";
+        must("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv --pictures all" + into(scratch, ""));
+    const auto folder = scratch / "near-benign";
     CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
     CHECK(has(r.out, "sphere.half_b f32 segment: decisions differ for "));
     CHECK(has(r.out, "sphere.half_b f32 answers alike: beyond, end, before, short, packs, placed\n"));
@@ -48,52 +39,40 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     std::ranges::sort(expected);
     CHECK(scratch.files() == expected);
 
-    const auto table = lostbits::output::file::read_csv(folder / "summary.csv");
-    const auto pixels = lostbits::output::file::read_csv(folder / "sphere.half_b.f32.csv");
-    CHECK(table.rows() == checks.size());
-    CHECK(pixels.rows() == 24 * 18);
+    const auto table = read_csv(folder / "summary.csv");
+    const auto pixels = read_csv(folder / "sphere.half_b.f32.csv");
+    CHECK(table.size() == checks.size());
+    CHECK(pixels.size() == 24 * 18);
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     CHECK(package.at("resources").size() == 2);
     // The pixels of the table are those of the summary.
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        const std::string check = cell_of(table, "check", i);
+    for (const Row& row : table) {
+        const std::string check = row.at("check");
+        const bool numbers = check == "reverse" || check == "placed";
         int rays = 0, alike = 0;
         double most = 0;
-        for (std::size_t p = 0; p < pixels.rows(); ++p) {
-            const std::string accord = cell_of(pixels, check, p);
-            rays += accord != "not_asked";
-            alike += accord == "agree";
-            if (check != "reverse" && check != "placed") continue;
-            const double excess = number_in(cell_of(pixels, check + "_excess", p));
-            if (!std::isnan(excess)) most = std::max(most, excess);
+        for (const Row& pixel : pixels) {
+            rays += pixel.at(check) != "not_asked";
+            alike += pixel.at(check) == "agree";
+            if (numbers) most = std::fmax(most, number_in(pixel.at(check + "_excess")));  // of NaN nothing
         }
         INFO(check);
-        CHECK(std::to_string(rays) == cell_of(table, "rays", i));
-        CHECK(std::to_string(alike) == cell_of(table, "agree", i));
-        if (check == "reverse" || check == "placed") CHECK(most == number_in(cell_of(table, "excess_max", i)));
+        CHECK(std::to_string(rays) == row.at("rays"));
+        CHECK(std::to_string(alike) == row.at("agree"));
+        if (numbers) CHECK(most == number_in(row.at("excess_max")));
     }
 }
 
 TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     const Scratch scratch;
-    const auto explained = [&scratch](const std::string& command) {
-        INFO(command);
-        REQUIRE(command.starts_with("lostbits explain "));
-        const auto r = run(command.substr(9) + " --json -q", scratch.path());
-        INFO(r.err);
-        REQUIRE(r.code == 0);
-        return nlohmann::json::parse(r.out);
+    const auto pasted = [&scratch](const std::string& words, const std::string& scene) {
+        must("consistency " + scene + " --size 32x24 " + words + " -q -o .", scratch.path());
+        const auto row = read_csv(scratch / (scene + "/summary.csv")).front();
+        return std::pair(explained(row.at("first_explain")), explained(row.at("second_explain")));
     };
-    const auto made = [&scratch](const std::string& words, const std::string& scene) {
-        REQUIRE(run("consistency " + scene + " " + words + " -q" + into(scratch, "")).code == 0);
-        return lostbits::output::file::read_csv(scratch.path() / scene / "summary.csv");
-    };
-    int pasted = 0;
     for (const std::string form : {"sphere.schoolbook", "sphere.pythagoras", "sphere.expanded"}) {
-        const auto table = made("--size 32x24 --check reverse -i " + form, "rtg-fig-7-3-4100-oblique");
-        const auto one = explained(cell_of(table, "first_explain", 0));
-        const auto other = explained(cell_of(table, "second_explain", 0));
         INFO(form);
+        const auto [one, other] = pasted("--check reverse -i " + form, "rtg-fig-7-3-4100-oblique");
         CHECK(one["hit"] != other["hit"]);
         // The origin of one is where the other ends, and the directions are opposite.
         for (const char* axis : {"d.x", "d.y", "d.z"})
@@ -103,109 +82,175 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
             return j["outcome"] != "agree_hit" && j["outcome"] != "agree_miss";
         };
         CHECK((wrong(one) || wrong(other)));
-        ++pasted;
     }
-    CHECK(pasted == 3);
     // A box is told the end: the same ray is hit with one float less of it than its own t.
-    const auto box = made("--size 32x24 --check before -i box.max_mult", "box-octree");
-    const auto closest = explained(cell_of(box, "first_explain", 0)),
-               shadow = explained(cell_of(box, "second_explain", 0));
+    const auto [closest, shadow] = pasted("--check before -i box.max_mult", "box-octree");
     CHECK(closest["hit"] == true);
     CHECK(shadow["hit"] == true);
     CHECK(shadow["inputs"]["limit"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
 TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
-    const Scratch scratch;
-    struct Case {
-        std::string words;
-        int code;
-        std::string says;
-    };
-    const Case cases[] = {
-        {"near-benign --check revers", 2, "did you mean \"reverse\"?"},
-        {"near-benign --check 'x*'", 4, "lostbits list checks"},
-        {"near-benign --check light", 2, "light needs a [light]"},
-        {"near-benign --check short -i sphere.unit_half_b", 2, "directions of any length"},
-        {"near-bening", 2, "did you mean \"near-benign\"?"},
-        {"near-benign -i sphere.haf_b", 2, "did you mean"},
-        {"near-benign -i 'sdf.*'", 4, "try -i 'sphere.*'"},
-        {"near-benign -i 'box.*'", 4, "no selected form handles near-benign"},
-        {"near-benign -f f33", 2, "f32"},
-        {"near-benign --size 0x4", 2, "--size"},
-        {"sphereflake-near", 2, "1000 is the most"},
-        {"", 2, "SCENE"},
-    };
-    for (const Case& c : cases) {
-        const auto r = run("consistency " + c.words + into(scratch));
-        INFO(c.words << "\n" << r.err);
-        CHECK(r.code == c.code);
-        CHECK(has(r.err, c.says));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
-    }
-    CHECK(run("consistency near-benign").code == 2);        // no folder
-    CHECK(run("consistency near-benign -o ''").code == 2);  // an empty one
+    check_refused(Scratch(), "consistency -o out",
+                  {{"near-benign --check revers", "did you mean \"reverse\"?"},
+                   {"near-benign --check 'x*'", "lostbits list checks", 4},
+                   {"near-benign --check light", "light needs a [light]"},
+                   {"near-benign --check short -i sphere.unit_half_b", "directions of any length"},
+                   {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
+                   {"near-benign -i 'box.*'", "no selected form handles near-benign", 4},
+                   {"sphereflake-near", "1000 is the most"}});
 }
 
 TEST_CASE("consistency: one table on standard output, and a scene in which nothing is met") {
     const Scratch scratch;
-    const auto table = run("consistency near-benign --size 8x6 -i sphere.unified --check packs -o -");
-    REQUIRE(table.code == 0);
+    const auto table = must("consistency near-benign --size 8x6 -i sphere.unified --check packs -o -");
     CHECK(table.out.starts_with("check,form,format,rays,"));
     CHECK(std::ranges::count(table.out, '\n') == 2);
-    const auto empty =
-        run("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]'" + into(scratch, ""));
-    CHECK(empty.code == 0);
-    const auto rows = lostbits::output::file::read_csv(scratch.path() / "near-benign/summary.csv");
-    const std::size_t beyond = place_of(rows, "beyond");
-    CHECK(cell_of(rows, "rays", beyond) == "0");
-    CHECK(cell_of(rows, "disagree_fraction", beyond).empty());
-    CHECK(cell_of(rows, "rays", place_of(rows, "packs")) == "48");
-}
-
-TEST_CASE("checks are listed") {
-    const auto array = nlohmann::json::parse(run("list checks --json").out);
-    CHECK(array.size() == 9);
-    CHECK(array[0]["name"] == "beyond");
+    must("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]' -o .", scratch.path());
+    const auto rows = read_csv(scratch / "near-benign/summary.csv");
+    CHECK(row_of(rows, "beyond").at("rays") == "0");
+    CHECK(row_of(rows, "beyond").at("disagree_fraction").empty());
+    CHECK(row_of(rows, "packs").at("rays") == "48");
 }
 
 TEST_CASE("claims about consistency are measured, and those that are none are refused") {
     const Scratch scratch;
-    const auto claim = [&](const std::string& given, const std::string& metric, const std::string& in) {
-        static_cast<void>(
-            scratch.write("c.toml",
-                          "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"c\"\nstatement = \"s\"\nsource = \"-\"\n"
-                          "verdict = \"holds\"\n[claim.given]\nform = \"box.max_mult\"\nformat = \"f32\"\n" +
-                              given + "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = " + in + "\n"));
-        return run("check c.toml --export-csv out.csv", scratch.path());
+    const std::string octree = "consistency = \"box-octree\"\n" + tested("box.max_mult"),
+                      before = octree + "check = \"before\"\n";
+    const auto check = [&](const std::string& in) {
+        scratch.write("c.toml", claims_of({{"c", before, metric_in("disagree_fraction", in)}}));
+        return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
-    const std::string octree = "consistency = \"box-octree\"\n";
-    const auto held = claim(octree + "check = \"before\"", "disagree_fraction", "[1, 1]");
-    INFO(held.err);
-    CHECK(held.code == 0);
-    const auto out = lostbits::output::file::read_csv(scratch.path() / "out.csv");
-    CHECK(has(cell_of(out, "subject", 0), "consistency, before"));
-    CHECK(has(cell_of(out, "witness_explain", 0), "lostbits explain --box="));
-    CHECK(claim(octree + "check = \"before\"", "disagree_fraction", "[0, 0.5]").code == 1);
-    struct Case {
-        std::string given, metric, says;
-    };
-    const Case cases[] = {
-        {octree, "disagree_fraction", "check"},
-        {octree + "check = \"befor\"", "disagree_fraction", "did you mean \"before\"?"},
-        {octree + "check = \"light\"", "disagree_fraction", "cannot be asked of box.max_mult"},
-        {octree + "check = \"before\"", "disagree_fractio", "did you mean \"disagree_fraction\"?"},
-        {octree + "check = \"before\"\nat = 3", "disagree_fraction", "leave it out"},
-        {octree + "check = \"before\"\nscene = \"near-benign\"", "disagree_fraction", "write one of them"},
-        {"scene = \"box-octree\"\ncheck = \"before\"", "false_hit_fraction", "goes with consistency"},
-    };
-    for (const Case& c : cases) {
-        const auto r = claim(c.given, c.metric, "[0, 1]");
-        INFO(c.given << "\n" << r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, "c.toml:"));
-        CHECK(has(r.err, c.says));
+    CHECK(check("[0, 0.5]") == 1);
+    CHECK(check("[1, 1]") == 0);
+    const auto out = read_csv(scratch / "out.csv").front();
+    CHECK(has(out.at("subject"), "consistency, before"));
+    CHECK(has(out.at("witness_explain"), "lostbits explain --box="));
+    const std::string fraction = metric_in("disagree_fraction");
+    check_refused_claims(scratch, {{octree, fraction, "check"},
+                                   {octree + "check = \"befor\"\n", fraction, "did you mean \"before\"?"},
+                                   {octree + "check = \"light\"\n", fraction, "cannot be asked of box.max_mult"},
+                                   {before, metric_in("disagree_fractio"), "did you mean \"disagree_fraction\"?"},
+                                   {before + "at = 3\n", fraction, "leave it out"},
+                                   {before + "scene = \"near-benign\"\n", fraction, "write one of them"},
+                                   {"scene = \"box-octree\"\ncheck = \"before\"\n" + tested("box.max_mult"),
+                                    metric_in("false_hit_fraction"), "goes with consistency"}});
+}
+
+TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {
+    const Scratch scratch;
+    const auto r = must(
+        "offsets near-benign --size 24x18 --strategy offset.bound,offset.none --pixels csv --along world "
+        "--pictures all" +
+        into(scratch, ""));
+    const auto folder = scratch / "near-benign";
+    CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
+    CHECK(has(r.out, "right for all"));
+    std::vector<std::string> expected{"along.world.csv", "contact.png", "datapackage.json", "manifest.json",
+                                      "summary.csv"};
+    for (const std::string point : {"computed", "projected"}) {
+        const std::string row = "sphere.half_b.f32." + point;
+        expected.push_back(row + ".csv");
+        for (const std::string side : {".inside", ".outside"}) {
+            for (const char* what : {".safe.png", ".none.png", ".bound.png"}) expected.push_back(row + side + what);
+            for (const char* what : {".wrong.png", ".size.png"}) expected.push_back("along.world." + row + side + what);
+        }
     }
+    for (auto& name : expected) name = "near-benign/" + name;
+    std::ranges::sort(expected);
+    CHECK(scratch.files() == expected);
+
+    const auto table = read_csv(folder / "summary.csv"), along = read_csv(folder / "along.world.csv"),
+               pixels = read_csv(folder / "sphere.half_b.f32.computed.csv");
+    CHECK(table.size() == 8);  // two strategies, two sides, two kinds of points
+    CHECK(along.size() == 13 * table.size());
+    const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
+    CHECK(package.at("resources").size() == 4);
+    CHECK(package.at("resources").at(0).at("schema").at("fields").size() == table.front().size());
+    CHECK(package.at("resources").at(1).at("schema").at("fields").size() == pixels.front().size());
+    // A row a point, and the sums of the rows are the table's.
+    const auto& none = *std::ranges::find_if(table, [](const auto& row) {
+        return row.at("strategy") == "offset.none" && row.at("side") == "outside" && row.at("point") == "computed";
+    });
+    CHECK(std::to_string(pixels.size()) == none.at("points"));
+    double rays = 0, hits = 0, safe = 0;
+    for (const auto& row : pixels) {
+        rays += number_in(row.at("rays_outside"));
+        hits += number_in(row.at("none_self_hits_outside"));
+        safe = std::max(safe, number_in(row.at("safe_outside")));
+    }
+    CHECK(rays == number_in(none.at("rays")));
+    CHECK(hits / rays == Approx(number_in(none.at("self_hit_fraction"))));
+    CHECK(safe == number_in(none.at("safe_max")));
+    CHECK(none.at("offset_max") == "0");
+    CHECK(none.at("operations") == "0");
+}
+
+TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
+    check_refused(
+        Scratch(), "offsets -o out",
+        {{"near-benign --strategy offset.integr", "did you mean \"offset.integer\"?"},
+         {"near-benign --strategy 'x.*'", "lostbits list strategies", 4},
+         {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
+         {"near-benign --points nowhere", "computed"},
+         {"near-benign --along time", "distance, radius, world"},
+         {"sphereflake-near", "1000 is the most"},
+         {"sdf-union -i 'sphere.*'", "it has spheres and boxes, and no selected form is for boxes; try -i sphere.", 4},
+         {"raycast-course.pixels --along distance", "cannot move"}});
+}
+
+TEST_CASE("offsets: one table on standard output, and what a scene without points says") {
+    const Scratch scratch;
+    const auto table = must("offsets near-benign --size 8x6 --points computed --strategy offset.bound -o -");
+    CHECK(table.out.starts_with("strategy,side,point,form,format,operations,points,"));
+    CHECK(std::ranges::count(table.out, '\n') == 3);
+    // `none` is the name of a strategy, so it cannot say that there is none.
+    const auto bad =
+        must("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch, ""));
+    CHECK(has(bad.out, "rays: no strategy\n"));
+    const Scratch elsewhere;
+    const auto empty = must("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere, ""));
+    CHECK(has(empty.err, "no point to leave"));
+    for (const auto& row : read_csv(elsewhere / "near-benign/summary.csv")) {
+        CHECK(row.at("points") == "0");
+        CHECK(row.at("self_hit_fraction").empty());
+        CHECK(row.at("safe_max").empty());
+    }
+}
+
+TEST_CASE("a sheet without thickness has no safe offset into it, and that is said in words") {
+    const Scratch scratch;
+    scratch.write("flat.toml",
+                  "schema = \"lostbits-scene/1\"\ntitle = \"flat\"\ninputs = \"shared\"\n"
+                  "size = [8, 8]\n[camera]\nkind = \"pinhole\"\nfov_deg = 40\n"
+                  "eye = [0.3, 0.7, 6]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
+                  "[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n");
+    const auto r = must("offsets flat.toml --points computed --strategy offset.bound -o out", scratch.path());
+    CHECK(has(r.out, "inside: no offset is safe at any of 16 points; right for all 288 rays: no strategy"));
+    CHECK_FALSE(has(r.out, "nan"));
+}
+
+TEST_CASE("claims about offsets are measured, and those that are none are refused") {
+    const Scratch scratch;
+    const std::string box = "offsets = \"offset-thin-box\"\n" + tested("box.baseline"),
+                      none = box + "strategy = \"offset.none\"\n", bad = metric_in("bad_fraction");
+    const auto check = [&](const std::string& in) {
+        scratch.write("c.toml", claims_of({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
+                                            metric_in("bad_fraction", in)}}));
+        return run("check c.toml --export-csv out.csv", scratch.path()).code;
+    };
+    CHECK(check("[0, 0.5]") == 1);
+    CHECK(check("[0.99, 1]") == 0);
+    const auto row = read_csv(scratch / "out.csv").front();
+    CHECK(has(row.at("subject"), "rays inside"));
+    CHECK(has(row.at("witness_explain"), "lostbits explain --box="));
+    check_refused_claims(scratch, {{box, bad, "strategy"},
+                                   {box + "strategy = \"offset.epsilo\"\n", bad, "did you mean \"offset.epsilon\"?"},
+                                   {none + "side = \"insid\"\n", bad, "did you mean \"inside\"?"},
+                                   {none + "points = \"exact\"\n", bad, "computed"},
+                                   {none, metric_in("bad_fractio"), "did you mean \"bad_fraction\"?"},
+                                   {none + "at = 3\n", bad, "leave it out"},
+                                   {none + "scene = \"near-benign\"\n", bad, "write one of them"}});
 }
 
 }  // namespace test_consistency

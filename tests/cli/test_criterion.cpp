@@ -1,5 +1,8 @@
-// What a sentence says of its number: verdicts follow from it, and are counted by who said it.
+// What a sentence says of its number: verdicts follow from it, and are counted by who said it. And claims about what is
+// chosen for a scene: of the profile `timing`, which fails nothing.
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <tuple>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -10,74 +13,62 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string head = "schema = \"lostbits-claims/1\"\n";
+const std::string given = "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b");
+const std::string holds = "\"holds\"", refuted = "\"refuted\"",
+                  qualified = "\"qualified\"\ncondition = \"where the eye is outside\"";
 
 /// 1 is measured: no ray from inside is hit.
-std::string claim(const std::string& id, const std::string& verdict, const std::string& in,
-                  const std::string& criterion, const std::string& source = "-") {
-    return "[[claim]]\nid = \"" + id + "\"\nstatement = \"A sentence\"\nsource = \"" + source +
-           "\"\nverdict = " + verdict +
-           "\n[claim.given]\nscene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"\n"
-           "[claim.expect]\nmetric = \"false_miss_fraction\"\nin = " +
-           in + (criterion.empty() ? "" : "\ncriterion = " + criterion) + "\n";
+std::string expect(const std::string& in, const std::string& criterion) {
+    return metric_in("false_miss_fraction", in) + (criterion.empty() ? "" : "criterion = " + criterion + "\n");
 }
 
-const std::string qualified = "\"qualified\"\ncondition = \"where the eye is outside\"";
+ClaimText claim(const std::string& id, const std::string& verdict, const std::string& in, const std::string& criterion,
+                const std::string& source = "-") {
+    return {id, given, expect(in, criterion), "", verdict, source};
+}
 
 }  // namespace
 
 TEST_CASE("a verdict follows from its criterion for every number that its interval admits") {
     const Scratch scratch;
-    const auto check = [&](const std::string& text) {
-        return run("check '" + scratch.write("c.toml", head + text) + "'");
+    scratch.write("right.toml",
+                  claims_of({claim("a", holds, "[1, 1]", "\"= 1\""), claim("b", holds, "[0.5, 1]", "\"> 0.4\""),
+                             claim("c", holds, "[0.5, 1]", "\">= 0.5\""), claim("d", holds, "[1, 1]", "[0.9, 1]"),
+                             claim("e", holds, "[1, 1]", "\"<=0x1p0\""), claim("f", refuted, "[1, 1]", "\"< 1\""),
+                             claim("g", refuted, "[0.5, 1]", "\"= 0\""), claim("h", refuted, "[0.5, 1]", "[0, 0.4]"),
+                             claim("i", refuted, "[0.5, 1]", "\"> 1\""), claim("j", qualified, "[1, 1]", "\"= 0\""),
+                             claim("k", qualified, "[1, 1]", "\"= 1\""), claim("l", holds, "[1, 1]", "")}));
+    must("check right.toml", scratch.path());
+    const auto row = [](const std::string& verdict, const std::string& in, const std::string& criterion,
+                        const std::string& says) {
+        return RefusedClaim{given, expect(in, criterion), says, "", verdict};
     };
-    for (const std::string& right :
-         {claim("a", "\"holds\"", "[1, 1]", "\"= 1\""), claim("a", "\"holds\"", "[0.5, 1]", "\"> 0.4\""),
-          claim("a", "\"holds\"", "[0.5, 1]", "\">= 0.5\""), claim("a", "\"holds\"", "[1, 1]", "[0.9, 1]"),
-          claim("a", "\"holds\"", "[1, 1]", "\"<=0x1p0\""), claim("a", "\"refuted\"", "[1, 1]", "\"< 1\""),
-          claim("a", "\"refuted\"", "[0.5, 1]", "\"= 0\""), claim("a", "\"refuted\"", "[0.5, 1]", "[0, 0.4]"),
-          claim("a", "\"refuted\"", "[0.5, 1]", "\"> 1\""), claim("a", qualified, "[1, 1]", "\"= 0\""),
-          claim("a", qualified, "[1, 1]", "\"= 1\""), claim("a", "\"holds\"", "[1, 1]", "")}) {
-        const auto r = check(right);
-        INFO(right << r.out << r.err);
-        CHECK(r.code == 0);
-    }
     const std::string does_not_follow = ": the verdict \"";
-    const std::pair<std::string, std::string> wrong[] = {
-        {claim("a", "\"holds\"", "[1, 1]", "\"= 0\""),
-         "c.toml:14:13: claim[0].expect.criterion is = 0, which is false of the numbers in [1, 1]: the verdict "
-         "\"holds\" "
-         "does not follow"},
-        {claim("a", "\"holds\"", "[0.5, 1]", "\"> 0.5\""), "is > 0.5, which is true of some and false of others"},
-        {claim("a", "\"refuted\"", "[1, 1]", "\"= 1\""),
-         "which is true of the numbers in [1, 1]: the verdict \"refuted\""},
-        {claim("a", "\"refuted\"", "[0.5, 1]", "\">= 1\""), does_not_follow + "refuted\""},
-        {claim("a", qualified, "[0.5, 1]", "\"= 1\""), does_not_follow + "qualified\""},
-        {claim("a", "\"qualified\"", "[1, 1]", "\"= 1\""), "c.toml:6:11: claim[0].verdict is qualified: say when"},
-        {claim("a", "\"holds\"\ncondition = \"never\"", "[1, 1]", ""), "c.toml:7:13: claim[0].condition goes with"},
-        {claim("a", "\"holds\"", "[1, 1]", "\"1\""), "c.toml:14:13: claim[0].expect.criterion is \"1\"; write"},
-        {claim("a", "\"holds\"", "[1, 1]", "\">\""), "write what the sentence says"},
-        {claim("a", "\"holds\"", "[1, 1]", "\"!= 0\""), "write what the sentence says"},
-        {claim("a", "\"holds\"", "[1, 1]", "\"= one\""), "in which one is not a number"},
-        {claim("a", "\"holds\"", "[1, 1]", "1"), "a string is expected here"},
-        {claim("a", "\"holds\"", "[1, 1]", "[1, 0]"), "must be [low, high]"},
-        {claim("a", "\"maybe\"", "[1, 1]", ""), "claim[0].verdict is \"maybe\""}};
-    for (const auto& [text, says] : wrong) {
-        const auto r = check(text);
-        INFO(text << r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, says));
-    }
+    check_refused_claims(
+        scratch,
+        {row(holds, "[1, 1]", "\"= 0\"",
+             "c.toml:14:13: claim[0].expect.criterion is = 0, which is false of the numbers in [1, 1]: the verdict "
+             "\"holds\" does not follow"),
+         row(holds, "[0.5, 1]", "\"> 0.5\"", "is > 0.5, which is true of some and false of others"),
+         row(refuted, "[1, 1]", "\"= 1\"", "which is true of the numbers in [1, 1]: the verdict \"refuted\""),
+         row(refuted, "[0.5, 1]", "\">= 1\"", does_not_follow + "refuted\""),
+         row(qualified, "[0.5, 1]", "\"= 1\"", does_not_follow + "qualified\""),
+         row("\"qualified\"", "[1, 1]", "\"= 1\"", "c.toml:6:11: claim[0].verdict is qualified: say when"),
+         row("\"holds\"\ncondition = \"never\"", "[1, 1]", "", "c.toml:7:13: claim[0].condition goes with"),
+         row(holds, "[1, 1]", "\"1\"", "c.toml:14:13: claim[0].expect.criterion is \"1\"; write"),
+         row(holds, "[1, 1]", "\">\"", "write what the sentence says"),
+         row(holds, "[1, 1]", "\"!= 0\"", "write what the sentence says"),
+         row(holds, "[1, 1]", "\"= one\"", "in which one is not a number"),
+         row(holds, "[1, 1]", "1", "a string is expected here"), row(holds, "[1, 1]", "[1, 0]", "must be [low, high]"),
+         row("\"maybe\"", "[1, 1]", "", "claim[0].verdict is \"maybe\"")});
 }
 
 TEST_CASE("a number that moves out of its interval says whether the verdict stands") {
     const Scratch scratch;
-    const std::string text = head + claim("stands", "\"holds\"", "[0.8, 0.9]", "\"> 0.5\"") +
-                             claim("falls", "\"holds\"", "[0.1, 0.2]", "\"< 0.5\"") +
-                             claim("still", "\"refuted\"", "[0.8, 0.9]", "\"= 0\"") +
-                             claim("describes", "\"holds\"", "[0.8, 0.9]", "");
+    const std::string text =
+        claims_of({claim("stands", holds, "[0.8, 0.9]", "\"> 0.5\""), claim("falls", holds, "[0.1, 0.2]", "\"< 0.5\""),
+                   claim("still", refuted, "[0.8, 0.9]", "\"= 0\""), claim("describes", holds, "[0.8, 0.9]", "")});
     const auto r = run("check '" + scratch.write("c.toml", text) + "'");
-    INFO(r.out);
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: holds, but the number has changed: stands"));
     CHECK(
@@ -91,16 +82,14 @@ TEST_CASE("a number that moves out of its interval says whether the verdict stan
 
 TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
     const Scratch scratch;
-    const std::string file = scratch.write("c.toml", head + claim("a", "\"holds\"", "[1, 1]", "\"= 1\"", "A book") +
-                                                         claim("b", "\"refuted\"", "[1, 1]", "\"= 0\"", "A book") +
-                                                         claim("c", qualified, "[1, 1]", "\"= 0\"", "A book") +
-                                                         claim("d", "\"holds\"", "[1, 1]", "") +
-                                                         claim("e", "\"holds\"", "[1, 1]", "\"> 0\"") +
-                                                         claim("f", "\"refuted\"", "[0.8, 0.9]", "\"= 0\"", "A book"));
+    const std::string file = scratch.write(
+        "c.toml",
+        claims_of({claim("a", holds, "[1, 1]", "\"= 1\"", "A book"), claim("b", refuted, "[1, 1]", "\"= 0\"", "A book"),
+                   claim("c", qualified, "[1, 1]", "\"= 0\"", "A book"), claim("d", holds, "[1, 1]", ""),
+                   claim("e", holds, "[1, 1]", "\"> 0\""), claim("f", refuted, "[0.8, 0.9]", "\"= 0\"", "A book")}));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
     const auto r = run("check '" + file + "' --junit '" + at("j.xml") + "' --export-csv '" + at("c.csv") +
                        "' --export-json '" + at("c.json") + "' --report '" + at("report") + "'");
-    INFO(r.out << r.err);
     CHECK(r.code == 1);
     const std::string counts = "from a source 1 holds, 1 is qualified, 1 is refuted; of our own 2 hold";
     CHECK(has(r.out, "5 verdicts confirmed, 1 failed\n" + counts + "\n"));
@@ -135,19 +124,15 @@ TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
 
 TEST_CASE("a 99th percentile of random rays has the bounds of its order statistics, and that of a picture has none") {
     const Scratch scratch;
-    const auto of = [](const std::string& id, const std::string& given, const std::string& metric) {
-        return "[[claim]]\nid = \"" + id +
-               "\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
-               "form = \"sphere.unified\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"" + metric +
-               "\"\nin = [0, 24]\n";
-    };
-    const std::string sweep = "sweep = \"sphere-distance\"\nat = 4096\n", scene = "scene = \"near-benign\"\n";
-    const std::string file =
-        scratch.write("c.toml", head + of("p99", sweep, "lost_bits_p99") + of("low", sweep, "lost_bits_p99_low") +
-                                    of("high", sweep, "lost_bits_p99_high") + of("median", sweep, "lost_bits_p50") +
-                                    of("picture", scene, "lost_bits_p99"));
+    const std::string form = tested("sphere.unified"), sweep = "sweep = \"sphere-distance\"\nat = 4096\n" + form;
+    const std::string in = "[0, 24]", p99 = metric_in("lost_bits_p99", in);
+    const std::string file = scratch.write("c.toml", claims_of({{"p99", sweep, p99},
+                                                                {"low", sweep, metric_in("lost_bits_p99_low", in)},
+                                                                {"high", sweep, metric_in("lost_bits_p99_high", in)},
+                                                                {"median", sweep, metric_in("lost_bits_p50", in)},
+                                                                {"picture", "scene = \"near-benign\"\n" + form, p99}}));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
-    REQUIRE(run("check '" + file + "' --export-json '" + at("c.json") + "'").code == 0);
+    must("check '" + file + "' --export-json '" + at("c.json") + "'");
     const auto array = nlohmann::json::parse(contents(at("c.json")));
     const auto measured = [&](int i) { return array[i]["measured"].get<double>(); };
     CHECK(array[0]["p99_bounds"] == nlohmann::json{measured(1), measured(2)});
@@ -155,8 +140,89 @@ TEST_CASE("a 99th percentile of random rays has the bounds of its order statisti
     CHECK(measured(0) < measured(2));
     CHECK(array[3]["p99_bounds"].is_null());
     CHECK(array[4]["p99_bounds"].is_null());
-    REQUIRE(run("check '" + file + "' --filter p99 --report '" + at("report") + "'").code == 0);
+    must("check '" + file + "' --filter p99 --report '" + at("report") + "'");
     CHECK(has(contents(at("report") + "/README.md"), " (95 %: "));
+}
+
+namespace {
+
+const std::string scene = R"(schema = "lostbits-scene/1"
+title = "A sphere 4100 away"
+source = "-"
+size = [24, 24]
+[camera]
+kind = "orthographic"
+width = 2.5
+eye = [0.1, 0.2, 0.3]
+look_at = [1095.9, 2191.7, -3287.2]
+up = [0, 1, 0]
+[[sphere]]
+centre = [1095.9, 2191.7, -3287.2]
+radius = 1
+)";
+
+const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml\"\n",
+                  unified = choice + tested("sphere.unified"), schoolbook = choice + tested("sphere.schoolbook"),
+                  double_inside = choice + tested("sphere.double_inside") + "bits = 24\nformats = [\"f32\"]\n";
+
+}  // namespace
+
+TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
+    const Scratch scratch;
+    scratch.write("far.toml", scene);
+    const std::vector<std::tuple<std::string, std::string, double>> rows{
+        {unified + "bits = 18\n", "meets", 1},
+        {unified + "bits = 23\n", "meets", 0},
+        {schoolbook + "bits = 1\n", "meets", 0},  // it decides rays wrongly
+        {schoolbook + "bits = 1\nwrong = 1\n", "meets", 1},
+        {unified + "bits = 53\nformats = [\"f32\"]\n", "others_that_meet", 0},
+        // sphere.double_inside alone is right to half an ulp. The claim's own form does not count.
+        {unified + "bits = 24\nformats = [\"f32\"]\n", "others_that_meet", 1},
+        {double_inside, "others_that_meet", 0},
+        {double_inside, "chosen", 1},
+        {unified + "bits = 24\n", "chosen", 0},
+        {unified + "over = { format = \"f64\" }\n", "time_ratio", 1},
+        {unified + "over = {}\n", "time_ratio", 1}};  // the same over itself: about 1
+    std::vector<ClaimText> claims;
+    for (const auto& [given, metric, right] : rows)
+        claims.push_back({"c" + std::to_string(claims.size()), given, metric_in(metric, "[-1, 1000]")});
+    scratch.write("c.toml", claims_of(claims, head));
+    std::istringstream said(must("check c.toml --profile timing --measure", scratch.path()).out);
+    for (const auto& [given, metric, right] : rows) {
+        INFO(given << metric);
+        std::string id, equals;
+        double measured = -1;
+        said >> id >> equals >> measured;
+        if (metric == "time_ratio") CHECK(measured > 0.01);
+        else CHECK(measured == right);
+    }
+}
+
+TEST_CASE("a claim about a choice fails nothing, and wrong words are refused with their place") {
+    const Scratch scratch;
+    scratch.write("far.toml", scene);
+    scratch.write("d.toml", claims_of({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));
+    CHECK(has(must("check d.toml --profile timing", scratch.path()).out, "differs"));
+    const std::string eighteen = unified + "bits = 18\n", meets = metric_in("meets"), ratio = metric_in("time_ratio"),
+                      chosen = metric_in("chosen");
+    check_refused_claims(scratch,
+                         {{unified, meets, "needs a wish"},
+                          {unified + "bits = 54\n", meets, "0 to 53"},
+                          {eighteen + "wrong = 2\n", meets, "share"},
+                          {eighteen + "at = \"p100\"\n", meets, "p99.9"},
+                          {eighteen + "at = \"p99\"\nover = { format = \"f64\" }\n", ratio, "one of the two"},
+                          {eighteen, ratio, "others_that_meet"},
+                          {eighteen, metric_in("meet"), "unknown metric"},
+                          {unified + "over = { format = \"f64\" }\n", chosen, "time_ratio"},
+                          {unified + "over = { form = \"sphere.unifed\" }\n", ratio, "sphere.unified"},
+                          {unified + "over = { forms = \"sphere.press\" }\n", ratio, "forms"},
+                          {unified + "over = { format = \"fp16\" }\n", ratio, "emulated"},
+                          {eighteen + "formats = [\"f31\"]\n", chosen, "f31"},
+                          {eighteen + "formats = [\"bf16\"]\n", chosen, "emulated"},
+                          {eighteen + "bit = 3\n", meets, "bits"},
+                          {choice + tested("box.signs") + "bits = 18\n", meets, "other solids"}},
+                         head, " --profile timing");
+    check_refused_claims(scratch, {{eighteen, meets, "profile = \"timing\""}}, "profile = \"results\"\n");
 }
 
 }  // namespace test_criterion

@@ -5,8 +5,8 @@
 #include "catch.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
-#include "two_pixels.hpp"
 
 namespace test_diff {
 
@@ -18,12 +18,12 @@ namespace {
 /// Two files of the given texts, compared in a folder of their own.
 Outcome diff(const std::string& a, const std::string& b, const std::string& options = "") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.csv", a));
-    static_cast<void>(scratch.write("b.csv", b));
+    scratch.write("a.csv", a);
+    scratch.write("b.csv", b);
     return run("diff a.csv b.csv " + options, scratch.path());
 }
 
-void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
+void write_exr(const fs::path& path, float x, const char* command = "map") {
     output::image::ExrBook exr(
         path, {{"", {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}}}});
     const float samples[] = {1, x};
@@ -32,7 +32,7 @@ void write_exr(const std::filesystem::path& path, float x, const char* command =
 }
 
 /// A part of one channel and one pixel for each name and value.
-void write_parts(const std::filesystem::path& path, const std::vector<std::pair<std::string, float>>& values) {
+void write_parts(const fs::path& path, const std::vector<std::pair<std::string, float>>& values) {
     std::vector<output::image::ExrPart> parts;
     for (const auto& value : values)
         parts.push_back({value.first, {1, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {}}});
@@ -73,110 +73,77 @@ TEST_CASE("diff: tolerances and ignored columns by name and glob, before and aft
     CHECK(diff(a, b, "--tolerance 'x_*=0.5' --tolerance y_max=0,0.1").code == 1);
     CHECK(diff(a, b, "--ignore '*'").code == 0);
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.csv", a));
-    static_cast<void>(scratch.write("b.csv", b));
-    CHECK(run("diff --tolerance '*=1' a.csv b.csv", scratch.path()).code == 0);
-    CHECK(run("diff --ignore '*' a.csv b.csv", scratch.path()).code == 0);
+    scratch.write("a.csv", a);
+    scratch.write("b.csv", b);
+    must("diff --tolerance '*=1' a.csv b.csv", scratch.path());
+    must("diff --ignore '*' a.csv b.csv", scratch.path());
 }
 
 TEST_CASE("diff: twenty lines a file and the number of the others, all of them with -v") {
     std::string a = "x,y\n", b = a;
     for (int i = 0; i < 33; ++i) a += "1,5\n", b += "2,6\n";
-    const auto lines = [](const std::string& text, const std::string& part) {
-        std::size_t n = 0;
-        for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
-        return n;
-    };
     const auto r = diff(a, b, "--tolerance y=1");
     CHECK(r.code == 1);
-    CHECK(lines(r.out, ": x: 1 != 2") == 20);
-    CHECK(r.out.starts_with(
-        "a.csv: 33 differences, in 33 of 33 rows\n  x: 33 differ, largest abs 1 at line 2, largest rel 0.5 at line "
-        "2\na.csv:2: x: 1 != 2"));
     CHECK(r.out.ends_with("a.csv: and 13 more; -v shows all\n"));
     CHECK_FALSE(has(r.out, "  y: "));
     const auto all = diff(a, b, "--tolerance y=1 -v");
-    CHECK(lines(all.out, ": x: 1 != 2") == 33);
-    CHECK_FALSE(has(all.out, "more"));
+    CHECK(has(all.out, "a.csv:34: x: 1 != 2"));
     CHECK(has(all.out, "  y: 0 differ, largest abs 1 at line 2, largest rel 0.1667 at line 2\n"));
-}
-
-TEST_CASE("diff: columns and rows that only one side has") {
-    const auto r = diff("a,b,c,d\n1,2,3,4\n", "b,c,a,e\n2,3,1,5\n6,7,8,9\n");
-    CHECK(r.code == 1);
-    for (const char* line :
-         {"a.csv:1: column d is missing in the second\n", "a.csv:1: column e is added in the second\n",
-          "a.csv:1: column a moved from place 1 to place 3\n", "a.csv: rows: 1 != 2; the first 1 are compared\n",
-          "a.csv: 4 differences"}) {
-        INFO(r.out);
-        CHECK(has(r.out, line));
-    }
 }
 
 TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answer") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.csv", "form,ulp_error\npress,1\n"));
-    static_cast<void>(scratch.write("b.csv", "form,ulp_error\npress,2\n"));
-    static_cast<void>(scratch.write("ragged.csv", "form,ulp_error\npress,1\n\nx,2\n"));
-    static_cast<void>(scratch.write("bad.exr", "no picture"));
-    static_cast<void>(scratch.write("other.exr", "nor this"));
-    static_cast<void>(scratch.write("c.txt", "text"));
-    std::filesystem::create_directory(scratch.path() / "folder");
-    const struct {
-        const char *arguments, *says;
-    } cases[] = {
-        {"a.csv none.csv", "none.csv: no such file"},
-        {"none a.csv", "none: no such file"},
-        {"a.csv ragged.csv", "ragged.csv:3: is not a CSV file: 1 cell where the header has 2"},
-        {"ragged.csv ragged.csv", "ragged.csv:3: "},
-        {"a.csv bad.exr", "a.csv: is a CSV file, but bad.exr is an EXR file"},
-        {"a.csv c.txt", "files of the same kind"},
-        {"a.csv folder", "folder: is a folder, but a.csv is a file"},
-        {"folder a.csv", "folder: is a folder, but a.csv is a file"},
-        {"bad.exr other.exr", "bad.exr"},
-        {"a.csv b.csv --tolerance ulp_eror=1", "--tolerance ulp_eror: unknown column; did you mean \"ulp_error\"?"},
-        {"a.csv b.csv --ignore fomr", "--ignore fomr: unknown column; did you mean \"form\"?"},
-        {"a.csv b.csv --ignore 'z*'", "known here: \"form\", \"ulp_error\""},
-        {"c.txt c.txt --ignore x", "no file here has columns"},
-        {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
-        {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
-        {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
-        {"a.csv", "B is required"},
-        {"folder -i sphere.press", "name two of them"},
-        {"folder folder -i sphere.press -i sphere.unified", "leave out folder"},
-        {"folder -i sphere.press -i sphere.unified --strict", "leave it out"},
-        {"folder -i sphere.press -i sphere.unified", "map it there first"},
-        {"a.csv -i sphere.press -i sphere.unified", "a.csv: is a file"},
-        {"a.csv b.csv --draw out", "needs two folders"},
-        {"folder folder -f f32", "add --draw"},
-        {"a.csv b.csv c.txt", "c.txt"},
-    };
-    for (const auto& c : cases) {
-        INFO(c.arguments);
-        const auto r = run(std::string("diff ") + c.arguments, scratch.path(),
-                           "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_IMAGE_MODULE_FILE "';");
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(r.out.empty());
-        CHECK(r.err.starts_with("lostbits: "));
-        CHECK(has(r.err, c.says));
-    }
+    scratch.write("a.csv", "form,ulp_error\npress,1\n");
+    scratch.write("b.csv", "form,ulp_error\npress,2\n");
+    scratch.write("ragged.csv", "form,ulp_error\npress,1\n\nx,2\n");
+    scratch.write("bad.exr", "no picture");
+    scratch.write("other.exr", "nor this");
+    scratch.write("c.txt", "text");
+    fs::create_directory(scratch / "folder");
+    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    check_refused(
+        scratch, "diff",
+        {{"a.csv none.csv", "none.csv: no such file"},
+         {"none a.csv", "none: no such file"},
+         {"a.csv ragged.csv", "ragged.csv:3: is not a CSV file: 1 cell where the header has 2"},
+         {"ragged.csv ragged.csv", "ragged.csv:3: "},
+         {"a.csv bad.exr", "a.csv: is a CSV file, but bad.exr is an EXR file"},
+         {"a.csv c.txt", "files of the same kind"},
+         {"a.csv folder", "folder: is a folder, but a.csv is a file"},
+         {"folder a.csv", "folder: is a folder, but a.csv is a file"},
+         {"bad.exr other.exr", "bad.exr"},
+         {"a.csv b.csv --tolerance ulp_eror=1", "--tolerance ulp_eror: unknown column; did you mean \"ulp_error\"?"},
+         {"a.csv b.csv --ignore fomr", "--ignore fomr: unknown column; did you mean \"form\"?"},
+         {"a.csv b.csv --ignore 'z*'", "known here: \"form\", \"ulp_error\""},
+         {"c.txt c.txt --ignore x", "no file here has columns"},
+         {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
+         {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
+         {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
+         {"a.csv", "B is required"},
+         {"folder -i sphere.press", "name two of them"},
+         {"folder folder -i sphere.press -i sphere.unified", "leave out folder"},
+         {"folder -i sphere.press -i sphere.unified --strict", "leave it out"},
+         {"folder -i sphere.press -i sphere.unified", "map it there first"},
+         {"a.csv -i sphere.press -i sphere.unified", "a.csv: is a file"},
+         {"a.csv b.csv --draw out", "needs two folders"},
+         {"folder folder -f f32", "add --draw"},
+         {"a.csv b.csv c.txt", "c.txt"}});
 }
 
 TEST_CASE("diff: only pictures need the image module, and without it they exit with 3") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.csv", "x\n1\n"));
-    static_cast<void>(scratch.write("b.csv", "x\n2\n"));
-    write_exr(scratch.path() / "a.exr", 2);
-    write_exr(scratch.path() / "b.exr", 3);
+    scratch.write("a.csv", "x\n1\n");
+    scratch.write("b.csv", "x\n2\n");
+    write_exr(scratch / "a.exr", 2);
+    write_exr(scratch / "b.exr", 3);
     const std::string without = "export LOSTBITS_IMAGE_MODULE=/nowhere.so;";
     CHECK(run("diff a.csv b.csv", scratch.path(), without).code == 1);
-    CHECK(run("diff a.csv a.csv", scratch.path(), without).code == 0);
+    must("diff a.csv a.csv", scratch.path(), without);
     const auto r = run("diff a.exr b.exr", scratch.path(), without);
     CHECK(r.code == 3);
     CHECK(has(r.err, "/nowhere.so"));
     CHECK(r.out.empty());
-    CHECK(run("diff a.exr a.exr", scratch.path(), without).code == 0);
+    must("diff a.exr a.exr", scratch.path(), without);
     CHECK(run("diff a.exr a.exr --ignore err.upl", scratch.path()).code == 2);
     CHECK(run("diff a.csv b.csv >/dev/full", scratch.path()).code == 3);
 }
@@ -189,32 +156,12 @@ TEST_CASE("diff: a file that the machine does not let us read exits with 3") {
     CHECK(r.out.empty());
 }
 
-TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
-    draw_pictures();
-    const Scratch scratch;
-    write_exr(scratch.path() / "a.exr", 2);
-    write_exr(scratch.path() / "b.exr", 2.5);
-    write_exr(scratch.path() / "c.exr", 2, "map again");
-    write_exr(scratch.path() / "nan.exr", std::numeric_limits<float>::quiet_NaN());
-    const auto r = run("diff a.exr b.exr", scratch.path());
-    CHECK(r.code == 1);
-    CHECK(r.out ==
-          "a.exr: 1 difference\n"
-          "  err.ulp: 1 differ, largest abs 0.5 at 1,0, largest rel 0.2 at 1,0\n"
-          "a.exr: err.ulp at 1,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
-    CHECK(run("diff a.exr c.exr", scratch.path()).out == "same\n");
-    CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).code == 0);
-    CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
-    CHECK(run("diff a.exr nan.exr --tolerance err.ulp=100,100", scratch.path()).code == 1);
-    CHECK(run("diff a.exr nan.exr --ignore err.ulp", scratch.path()).code == 0);
-}
-
 TEST_CASE("diff: an EXR of several parts, part by part and by name") {
     draw_pictures();
     const Scratch scratch;
-    write_parts(scratch.path() / "a.exr", {{"press.f32", 1}, {"press.f64", 2}, {"truth", 3}});
-    write_parts(scratch.path() / "b.exr", {{"press.f32", 1}, {"press.f64", 2.5}, {"truth", 3}});
-    write_parts(scratch.path() / "c.exr", {{"press.f64", 2}, {"press.f32", 1}, {"unified.f32", 3}});
+    write_parts(scratch / "a.exr", {{"press.f32", 1}, {"press.f64", 2}, {"truth", 3}});
+    write_parts(scratch / "b.exr", {{"press.f32", 1}, {"press.f64", 2.5}, {"truth", 3}});
+    write_parts(scratch / "c.exr", {{"press.f64", 2}, {"press.f32", 1}, {"unified.f32", 3}});
     const auto r = run("diff a.exr b.exr", scratch.path());
     CHECK(r.code == 1);
     CHECK(r.out ==
@@ -223,7 +170,7 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
           "a.exr: press.f64: err.ulp at 0,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
     CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).out == "same\n");
     CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
-    CHECK(run("diff a.exr a.exr --ignore err.ulp", scratch.path()).code == 0);
+    must("diff a.exr a.exr --ignore err.ulp", scratch.path());
     CHECK(run("diff a.exr c.exr", scratch.path()).out ==
           "a.exr: 3 differences\n"
           "a.exr: part press.f64 is moved in the second\n"
@@ -233,19 +180,19 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
 
 TEST_CASE("diff: a pipe is taken for what the other side is") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.csv", "x\n1e3\n"));
-    CHECK(run("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |").code == 0);
+    scratch.write("a.csv", "x\n1e3\n");
+    must("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |");
     CHECK(run("diff /dev/stdin a.csv", scratch.path(), "printf 'x\\n1001\\n' |").code == 1);
 }
 
 TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     const Scratch scratch;
     for (const char* folder : {"one/sub", "two/sub"}) {
-        std::filesystem::create_directories(scratch.path() / folder);
+        fs::create_directories(scratch.path() / folder);
         const std::string name = std::string(folder, 3);
-        static_cast<void>(scratch.write(name + "/t.csv", name == "one" ? "x\n1e3\n" : "x\n1000\n"));
-        static_cast<void>(scratch.write(std::string(folder) + "/u.csv", "y\n1\n"));
-        static_cast<void>(scratch.write(name + "/d.json", "{}"));
+        scratch.write(name + "/t.csv", name == "one" ? "x\n1e3\n" : "x\n1000\n");
+        scratch.write(std::string(folder) + "/u.csv", "y\n1\n");
+        scratch.write(name + "/d.json", "{}");
         write_png(scratch.path() / folder / "p.png", 6);
         write_exr(scratch.path() / folder / "e.exr", 2, name.c_str());
     }
@@ -258,52 +205,46 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
           "one/d.json: same\none/sub/e.exr: same\none/sub/p.png: same\none/sub/u.csv: same\none/t.csv: same\nsame\n");
 
     // A column counts as known where one file has it.
-    static_cast<void>(scratch.write("two/sub/u.csv", "y\n2\n"));
+    scratch.write("two/sub/u.csv", "y\n2\n");
     CHECK(compare().code == 1);
     CHECK(has(compare().out, "one/sub/u.csv:2: y: 1 != 2"));
     CHECK(compare("--tolerance y=1").code == 0);
     CHECK(compare("--ignore y").code == 0);
     CHECK(compare("--ignore z").code == 2);
-    static_cast<void>(scratch.write("two/sub/u.csv", "y\n1\n"));
+    scratch.write("two/sub/u.csv", "y\n1\n");
 
-    static_cast<void>(scratch.write("two/d.json", "{ }"));
+    scratch.write("two/d.json", "{ }");
     CHECK(has(compare().out, "one/d.json:1: bytes differ from byte 1 on; 2 != 3 bytes in all\n"));
-    static_cast<void>(scratch.write("two/d.json", "{}"));
+    scratch.write("two/d.json", "{}");
 
-    write_png(scratch.path() / "two/sub/p.png", 7);
+    write_png(scratch / "two/sub/p.png", 7);
     CHECK(has(compare().out, "one/sub/p.png: pixel at 1,0: 4,5,6 != 4,5,7\n"));
-    write_png(scratch.path() / "two/sub/p.png", 6);
+    write_png(scratch / "two/sub/p.png", 6);
 
-    static_cast<void>(scratch.write("two/sub/extra.txt", ""));
-    static_cast<void>(scratch.write("one/.hidden", ""));
+    scratch.write("two/sub/extra.txt", "");
+    scratch.write("one/.hidden", "");
     const auto r = compare();
     CHECK(r.code == 1);
     CHECK(r.out == "one/.hidden: only in one\ntwo/sub/extra.txt: only in two\n");
-    std::filesystem::remove(scratch.path() / "one/.hidden");
-    std::filesystem::remove(scratch.path() / "two/sub/extra.txt");
+    fs::remove(scratch / "one/.hidden");
+    fs::remove(scratch / "two/sub/extra.txt");
     CHECK(compare().code == 0);
 
     // One bad file spoils the answer, and a pipe or a broken link is not skipped.
-    static_cast<void>(scratch.write("two/t.csv", "x\n1,2\n"));
+    scratch.write("two/t.csv", "x\n1,2\n");
     CHECK(compare().code == 2);
     CHECK(has(compare().err, "two/t.csv:2: "));
-    static_cast<void>(scratch.write("two/t.csv", "x\n1000\n"));
-    std::filesystem::create_symlink("nowhere", scratch.path() / "two/link");
+    scratch.write("two/t.csv", "x\n1000\n");
+    fs::create_symlink("nowhere", scratch / "two/link");
     CHECK(compare().code == 2);
-}
-
-TEST_CASE("diff: two folders without a file select nothing") {
-    const Scratch scratch;
-    for (const char* folder : {"one", "two"}) std::filesystem::create_directory(scratch.path() / folder);
-    CHECK(run("diff one two", scratch.path()).code == 4);
 }
 
 TEST_CASE("diff: what map writes is the same as itself, and another form is not") {
     draw_pictures();
     const Scratch scratch;
     const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv --exr -i ";
-    for (const char* out : {"one", "two"}) REQUIRE(run(map + "sphere.press -o " + out, scratch.path()).code == 0);
-    REQUIRE(run(map + "sphere.schoolbook -o three", scratch.path()).code == 0);
+    for (const char* out : {"one", "two"}) must(map + "sphere.press -o " + out, scratch.path());
+    must(map + "sphere.schoolbook -o three", scratch.path());
     CHECK(run("diff one two", scratch.path()).out == "same\n");
     const std::string stem = "/near-benign/sphere.";
     const auto tables = run("diff one" + stem + "press.f32.csv three" + stem + "schoolbook.f32.csv", scratch.path());

@@ -4,8 +4,8 @@
 
 #include "catch.hpp"
 #include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
-#include "two_pixels.hpp"
 
 namespace test_diff_maps {
 
@@ -15,16 +15,18 @@ namespace output = lostbits::output;
 TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest changes, rows paired by what they are") {
     const Scratch scratch;
     const std::string head = "form,format,agree_hit,false_miss,lost_bits_p99,ulp_error_max,worst_explain\n";
-    for (const char* folder : {"one/map", "two/map"}) std::filesystem::create_directories(scratch.path() / folder);
-    static_cast<void>(scratch.write("one/map/summary.csv", head + "sphere.press,f32,10,0,2,5,a\n"
-                                                                  "sphere.press,f64,10,0,1,4,a\n"
-                                                                  "sphere.half_b,f32,10,0,nan,4,a\n"));
+    for (const char* folder : {"one/map", "two/map"}) fs::create_directories(scratch.path() / folder);
+    scratch.write("one/map/summary.csv", head +
+                                             "sphere.press,f32,10,0,2,5,a\n"
+                                             "sphere.press,f64,10,0,1,4,a\n"
+                                             "sphere.half_b,f32,10,0,nan,4,a\n");
     // Another order, a row less and a row more.
-    static_cast<void>(scratch.write("two/map/summary.csv", head + "sphere.half_b,f32,10,0,3,4,a\n"
-                                                                  "sphere.press,f32,8,2,4.5,10,b\n"
-                                                                  "sphere.unified,f32,10,0,0,0,a\n"));
-    write_png(scratch.path() / "one/map/contact.png", 6);
-    write_png(scratch.path() / "two/map/contact.png", 7);
+    scratch.write("two/map/summary.csv", head +
+                                             "sphere.half_b,f32,10,0,3,4,a\n"
+                                             "sphere.press,f32,8,2,4.5,10,b\n"
+                                             "sphere.unified,f32,10,0,0,0,a\n");
+    write_png(scratch / "one/map/contact.png", 6);
+    write_png(scratch / "two/map/contact.png", 7);
     const auto r = run("diff one two", scratch.path());
     CHECK(r.code == 1);
     CHECK(r.out ==
@@ -58,12 +60,12 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
 
     // The pictures alone do not count, unless they are asked for.
-    std::filesystem::copy_file(scratch.path() / "one/map/summary.csv", scratch.path() / "two/map/summary.csv",
-                               std::filesystem::copy_options::overwrite_existing);
+    fs::copy_file(scratch / "one/map/summary.csv", scratch / "two/map/summary.csv",
+                  fs::copy_options::overwrite_existing);
     CHECK(run("diff one two", scratch.path()).out == "same\n");
     CHECK(run("diff one two --pictures", scratch.path()).code == 1);
     CHECK(run("diff one two --strict", scratch.path()).code == 1);
-    for (const char* folder : {"one", "two"}) std::filesystem::remove(scratch.path() / folder / "map/summary.csv");
+    for (const char* folder : {"one", "two"}) fs::remove(scratch.path() / folder / "map/summary.csv");
     const auto nothing = run("diff one two", scratch.path());
     CHECK(nothing.code == 4);
     CHECK(has(nothing.err, "nothing but pictures"));
@@ -72,9 +74,9 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
 TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and of one question alone") {
     const Scratch scratch;
     const std::string head = "form,format,rays,agree_hit,agree_miss,false_hit,false_miss,lost_bits_p99\n";
-    for (const char* folder : {"small/map", "large/map"}) std::filesystem::create_directories(scratch.path() / folder);
+    for (const char* folder : {"small/map", "large/map"}) fs::create_directories(scratch.path() / folder);
     const auto write = [&](const std::string& folder, const std::string& rows) {
-        static_cast<void>(scratch.write(folder + "/map/summary.csv", head + rows));
+        scratch.write(folder + "/map/summary.csv", head + rows);
     };
     write("small", "mylib.mine,f32,768,509,234,22,3,13\n");
     write("large", "mylib.mine,f32,3072,2019,961,91,1,13\n");  // more of them, and a smaller share
@@ -105,45 +107,44 @@ TEST_CASE("diff: two forms of one folder, and the difference as a picture, from 
     draw_pictures();
     const Scratch scratch;
     const std::string map = "map rtg-fig-7-3-4100-oblique --size 48x36 -f f32 -i sphere.schoolbook -i sphere.unified ";
-    REQUIRE(run(map + "--pixels csv -o csv", scratch.path()).code == 0);
-    REQUIRE(run(map + "--exr -o exr", scratch.path()).code == 0);
+    must(map + "--pixels csv -o csv", scratch.path());
+    must(map + "--exr -o exr", scratch.path());
     const std::string forms = " -i sphere.schoolbook -i sphere.unified";
     const auto r = run("diff csv" + forms + " --draw from-csv", scratch.path());
-    INFO(r.err);
     CHECK(r.code == 1);
     CHECK(has(r.out, "sphere.schoolbook to sphere.unified: 1 of 1 rows differ, in 1 table\n"));
     CHECK(has(r.out, "rtg-fig-7-3-4100-oblique f32: lost_bits_"));
     const std::string picture = "/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32-to-sphere.unified.f32.png";
     CHECK(has(r.out, "from-csv" + picture + "\n"));
     REQUIRE(run("diff exr" + forms + " --draw from-exr", scratch.path()).code == 1);
-    const auto one = backend().read_png((scratch.path() / ("from-csv" + picture)).string());
-    const auto two = backend().read_png((scratch.path() / ("from-exr" + picture)).string());
+    const auto one = backend().read_png((scratch / ("from-csv" + picture)).string());
+    const auto two = backend().read_png((scratch / ("from-exr" + picture)).string());
     CHECK(one.pixels == two.pixels);
 
     // Of a form and itself nothing is orange and nothing blue; decisions that changed are black.
     REQUIRE(run("diff csv exr --draw none --ignore '*'", scratch.path()).code == 1);  // files that only one has
-    const auto same = backend().read_png(scratch.path() / "none/rtg-fig-7-3-4100-oblique/sphere.unified.f32.png");
+    const auto same = backend().read_png(scratch / "none/rtg-fig-7-3-4100-oblique/sphere.unified.f32.png");
     const output::image::Rgb8 black{0, 0, 0}, blue{20, 80, 180};
     const auto count = [](const output::image::PngImage& image, output::image::Rgb8 colour) {
         return std::ranges::count(image.pixels, colour);
     };
     CHECK(count(one, blue) > count(same, blue));
     const auto back = run("diff csv -i sphere.unified -i sphere.schoolbook --draw back", scratch.path());
-    const auto worse = backend().read_png(
-        scratch.path() / "back/rtg-fig-7-3-4100-oblique/sphere.unified.f32-to-sphere.schoolbook.f32.png");
+    const auto worse =
+        backend().read_png(scratch / "back/rtg-fig-7-3-4100-oblique/sphere.unified.f32-to-sphere.schoolbook.f32.png");
     CHECK(count(worse, black) > count(one, black));  // schoolbook misses what unified hits
 
-    REQUIRE(run(map + "-o bare", scratch.path()).code == 0);
+    must(map + "-o bare", scratch.path());
     const auto bare = run("diff bare" + forms + " --draw no", scratch.path());
     CHECK(bare.code == 2);
     CHECK(has(bare.err, "--pixels csv or --exr"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
+    CHECK_FALSE(fs::exists(scratch / "no"));
 }
 
 TEST_CASE("diff: folders made with other numbers are said to be, first") {
     const Scratch scratch;
     const auto map = [&](const std::string& options) {
-        REQUIRE(run("map near-benign -i sphere.press -f f32 -q " + options, scratch.path()).code == 0);
+        must("map near-benign -i sphere.press -f f32 -q " + options, scratch.path());
     };
     map("--size 16x12 --set 'sphere[0].radius=1.5' -o one");
     map("--size 20x12 --set 'sphere[0].radius=1.5' -o two");
@@ -157,7 +158,7 @@ TEST_CASE("diff: folders made with other numbers are said to be, first") {
     // What only chooses rows and columns is no other number; nor is a folder that does not say what made it.
     map("--size 16x12 --set 'sphere[0].radius=1.5' --metric residual --pixels csv -o four");
     CHECK_FALSE(has(run("diff one four", scratch.path()).out, heading));
-    std::filesystem::remove(scratch.path() / "two/near-benign/manifest.json");
+    fs::remove(scratch / "two/near-benign/manifest.json");
     CHECK_FALSE(has(run("diff one two", scratch.path()).out, heading));
     CHECK(run("diff one one", scratch.path()).out == "same\n");
 }

@@ -19,7 +19,6 @@
 namespace test_docs {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -140,17 +139,17 @@ void save_files(const Scratch& scratch, const std::string& page) {
         std::string text, name;
         for (std::size_t i = begin; i < block.first - 1; ++i) text += lines[i] + "\n";
         for (std::sregex_iterator m(text.begin(), text.end(), told), end; m != end; ++m) name = (*m)[2];
-        if (!name.empty()) (void)scratch.write(name, block.text());
+        if (!name.empty()) scratch.write(name, block.text());
         begin = block.first + block.lines.size();
     }
 }
 
 /// Those files, the data of the project, and what a library of forms is compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
-    fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch.path() / "data");
+    fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
     for (const char* folder : {"plugins", "examples"})
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
-    fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch.path() / "build");
+    fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch / "build");
     for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
 }
 
@@ -163,9 +162,7 @@ bool is_dear(const Command& command) {
 void check_options(const Command& command) {
     static const std::regex option(R"(\s(--[a-z-]+))");
     const std::string& text = command.arguments;
-    const auto help = run(text.substr(0, text.find(' ')) + " --help");
-    INFO(command.where << ": lostbits " << text);
-    REQUIRE(help.code == 0);
+    const auto help = must(text.substr(0, text.find(' ')) + " --help");
     for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help.out, (*m)[1]));
 }
 
@@ -265,12 +262,11 @@ TEST_CASE("a command or an option that a sentence of the documents names exists"
             const std::string word = (*m)[1], rest = (*m)[2];
             INFO(page << ": " << m->str());
             if (!help.contains(word)) {
-                const auto r = run(word + " --help");
-                REQUIRE(r.code == 0);
+                const auto r = must(word + " --help");
                 help[word] = r.out;
             }
             for (auto o = std::sregex_iterator(rest.begin(), rest.end(), option); o != std::sregex_iterator(); ++o)
-                CHECK(help[word].find((*o)[2]) != std::string::npos);
+                CHECK(has(help[word], (*o)[2]));
         }
     }
     CHECK(help.size() > 5);
@@ -309,7 +305,7 @@ TEST_CASE("links of the documents lead somewhere, and the index has every page")
     for (const std::string& page : pages()) {
         if (page == "README.md" || page == "docs/README.md") continue;
         INFO(page);
-        CHECK(index.find("](" + page.substr(5) + ")") != std::string::npos);
+        CHECK(has(index, "](" + page.substr(5) + ")"));
     }
 }
 

@@ -16,11 +16,7 @@
 namespace test_explain {
 
 using namespace lostbits;
-using test::has;
-using test::run;
-using test::Scratch;
-using test::setting_of;
-using test::settled_exactly;
+using namespace lostbits::test;
 
 namespace {
 
@@ -29,8 +25,7 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 }  // namespace
 
 TEST_CASE("the schoolbook form at 4100: c rounds, and the discriminant cancels it away") {
-    const auto r = run(far + "-i sphere.schoolbook -f f32");
-    REQUIRE(r.code == 0);
+    const auto r = must(far + "-i sphere.schoolbook -f f32");
     CHECK(has(r.out, "disc = b·b − 4·a·c cancels 24 of 24 bits"));
     CHECK(has(r.out, "The culprit is c = (o − centre)·(o − centre) − radius·radius"));
     CHECK(has(r.out, "A first-order estimate has infinite terms"));
@@ -68,8 +63,7 @@ TEST_CASE("operations that contribute the same are named, with what they come to
 }
 
 TEST_CASE("the unified form beside a huge sphere: what is left is c, and the problem is to blame") {
-    const auto r = run("explain rtg-fig-7-4.r1e6 --pixel 100,200 -i sphere.unified -f f32");
-    REQUIRE(r.code == 0);
+    const auto r = must("explain rtg-fig-7-4.r1e6 --pixel 100,200 -i sphere.unified -f f32");
     CHECK(has(r.out, "c = (o − centre)·(o − centre) − radius·radius cancels 18 of 24 bits"));
     // The inputs are numbers of f32: nothing is lost by rounding them, and in f64 the same numbers keep everything.
     CHECK_FALSE(has(r.out, "input rounding"));
@@ -143,10 +137,10 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
         }
         REQUIRE(r.code == 0);
         if (!test::adds_words(r.out, seen[format]) && !test::is_long()) continue;
-        const std::string source = scratch.write("ray.c", r.out), program = (scratch.path() / "ray").string();
+        const std::string source = scratch.write("ray.c", r.out), program = (scratch / "ray").string();
         REQUIRE(std::system(("cc -std=c99 -O2 -o '" + program + "' '" + source + "' -lm").c_str()) == 0);
-        CHECK(std::system(("'" + program + "' > '" + (scratch.path() / "said").string() + "'").c_str()) == 0);
-        const std::string said = test::contents(scratch.path() / "said");
+        CHECK(std::system(("'" + program + "' > '" + (scratch / "said").string() + "'").c_str()) == 0);
+        const std::string said = test::contents(scratch / "said");
         INFO(said);
         CHECK(has(said, "computed  "));
         CHECK(says_the_same_twice(said));
@@ -161,7 +155,7 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
                        "sphere.kahan_discriminant", "sphere.pbrt_interval", "triangle.pbrt", "triangle.woop_double",
                        "tube.pbrt_interval"});
     CHECK(refused == narrow);
-    const std::string docs = test::contents(std::filesystem::path(LOSTBITS_DATA_DIR).parent_path() / "docs/explain.md");
+    const std::string docs = test::contents(fs::path(LOSTBITS_DATA_DIR).parent_path() / "docs/explain.md");
     const auto from = docs.find("It refuses nine forms there:"), to = docs.find("\n\n", from);
     REQUIRE(from != std::string::npos);
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
@@ -176,11 +170,10 @@ TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const std::string format : {"f32", "f64"}) {
             if (form.info->formats == intersect::Formats::binary32_only && format != "f32") continue;
+            if (format == "f64" && !is_long() && (&form - intersect::table::intersectors().data()) % 4 != 0) continue;
             const std::string where =
                 "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
-            const auto r = run(where + " --fpcore");
-            INFO(where << ": " << r.err);
-            REQUIRE(r.code == 0);
+            const auto r = must(where + " --fpcore");
             std::size_t at = 0;
             const auto core = test::read_expression(r.out, at);
             REQUIRE(core.list.at(0).atom == "FPCore");
@@ -215,8 +208,7 @@ TEST_CASE("FPCore says how a neighbour and another precision are had") {
 
 TEST_CASE("LaTeX closes what it opens") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
-        const auto r = run("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " --latex");
-        REQUIRE(r.code == 0);
+        const auto r = must("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " --latex");
         int depth = 0;
         for (const char c : r.out) {
             depth += (c == '{') - (c == '}');
@@ -240,20 +232,17 @@ TEST_CASE("a C program of many bits is refused where what an operation leaves ou
     text.replace(text.find("shared"), 6, "own");
     const std::string scene = "explain '" + scratch.write("s.toml", text) + "' --pixel 12,8 -i sphere.press --c -f ";
     const auto r = run(scene + "p40");
-    INFO(r.err);
     CHECK(r.code == 2);
     CHECK(has(r.err, "radius*radius is 1.0"));
     CHECK(has(r.err, "so close to the ends of double's range"));
-    CHECK(run(scene + "p20").code == 0);
+    must(scene + "p20");
 }
 
 TEST_CASE("an agreed miss has no culprit, whatever form misses") {
     for (const char* what :
          {"near-benign --pixel 0,0 -i sphere.schoolbook", "box-one --pixel 0,0 -i box.inclusive",
           "sdf-sphere --pixel 0,0 -i sdf.sphere_trace", "sdf-sphere --pixel 0,0 -i sdf.accumulated"}) {
-        const auto r = run(std::string("explain ") + what);
-        INFO(r.out);
-        REQUIRE(r.code == 0);
+        const auto r = must(std::string("explain ") + what);
         CHECK(has(r.out, "Nothing is lost."));
         CHECK(has(r.out, "no operation is to blame"));
         CHECK_FALSE(has(r.out, "The culprit is"));
@@ -282,59 +271,16 @@ TEST_CASE("JSON: what there is not is null, a number that is not finite is a wor
     CHECK(hit["ulp_error"].is_number());
 }
 
-TEST_CASE("explain refuses what it cannot read, and says why") {
-    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
-             {"explain near-benign -i sphere.unified", "name one ray"},
-             {"explain near-benign --pixel 1 -i sphere.unified", "not a pixel"},
-             {"explain near-benign --pixel 9999,0 -i sphere.unified", "has columns"},
-             {"explain near-benign --ray 0,0,0,0,0,0 -i sphere.unified", "is not a ray; its numbers must be finite"},
-             {"explain near-benign --pixel 1,1 -i box.signs", "has no solids"},
-             {"explain near-benign --pixel 1,1 -i sphere.double_inside -f f64", "does not exist"},
-             {"explain near-benign --pixel 1,1 -i sphere.unified --json --c", "only one of them"},
-             {"explain near-benign --pixel 1,1 -i sphere.double_inside -f p2", "try -f f32"},
-             {"explain near-benign --ray 0,0,0,0,0,x -i sphere.unified", "\"x\" is not a number"},
-             {"explain near-benign --ray 0,0,0,0,0,1e400 -i sphere.unified",
-              "out of range: the largest number of binary64 is 1.7976931348623157e+308"},
-             {"explain near-benign --ray 0,0,0,0,0,1e39 -i sphere.unified --as f32",
-              "out of range: the largest number of f32 is 3.4028234663852886e+38"},
-             {"explain near-benign --pixel 1e400,0 -i sphere.unified", "not a pixel"}}) {
-        const auto r = run(arguments);
-        INFO(arguments);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, says));
-        CHECK(r.out.empty());
-    }
-}
-
-TEST_CASE("culprits, cancellation and contributions are maps like any other") {
-    const Scratch scratch;
-    REQUIRE(run("map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric "
-                "culprit --metric cancellation --metric contribution:c --pixels csv --pictures all -q -o one",
-                scratch.path())
-                .code == 0);
-    CHECK(scratch.files().size() > 10);
-    const auto text = test::contents(scratch.path() / "one/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32.csv");
-    CHECK(has(text, "dot(o - centre, d)"));
-    CHECK(has(text, "c = dot(o - centre, o - centre) - radius*radius"));
-
-    const auto unknown = run("map near-benign -i sphere.schoolbook --metric contribution:dist -o out", scratch.path());
-    CHECK(unknown.code == 2);
-    CHECK(has(unknown.err, "did you mean \"disc\""));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
-}
-
 TEST_CASE("a constant on the way to t is no place on the tape") {
     // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
-    const auto r = run("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
-    REQUIRE(r.code == 0);
+    const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
     const auto told = nlohmann::json::parse(r.out);
     CHECK(told["outcome"] == "wrong_object");  // what is explained is a hit of another box
     CHECK(has(told["sentence"], "is assigned"));
 }
 
 TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds beside it") {
-    const auto r = run(far + "-i sphere.schoolbook -f fp16");
-    REQUIRE(r.code == 0);
+    const auto r = must(far + "-i sphere.schoolbook -f fp16");
     CHECK(has(r.out, "b·b is inf. Everything after it follows from that."));
     CHECK(has(r.out, "Rounding changed the decision disc < 0: disc is nan, without rounding -4.378"));
     CHECK_FALSE(has(r.out, "0 is 0"));

@@ -13,9 +13,7 @@
 namespace test_explain_verdict {
 
 using namespace lostbits;
-using test::has;
-using test::run;
-using test::setting_of;
+using namespace lostbits::test;
 
 namespace {
 
@@ -59,7 +57,6 @@ TEST_CASE("better is what keeps a bit more, and no less") {
 TEST_CASE("what the format cannot hold is nobody's rounding") {
     // Every number of the scene is rounded to 8 bits first; the form itself does well.
     const auto r = run("explain near-benign --pixel 100,128 -i sphere.unified -f bf16");
-    INFO(r.out);
     CHECK(has(r.out, "bf16 cannot hold all of these numbers"));
     CHECK(has(r.out, "the rest comes from inputs that the format cannot hold"));
     CHECK_FALSE(has(r.out, "The culprit is"));
@@ -72,8 +69,7 @@ TEST_CASE("a hit of another solid than the ray meets first is said to be one, wi
     CHECK(has(r.out, "\nOf the solids 0 to 66430, this is solid 58865.\n"));
     const auto at = r.out.find("lostbits explain --sphere=");
     REQUIRE(at != std::string::npos);
-    const auto other = run(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));
-    CHECK(other.code == 0);
+    const auto other = must(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));
     CHECK(has(other.out, "the true t is 306.782093"));
     CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong solid"));
 }

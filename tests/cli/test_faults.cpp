@@ -16,7 +16,6 @@ namespace test_faults {
 
 using namespace lostbits::test;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -50,24 +49,22 @@ const std::vector<std::string> slow{"map",    "mine.toml", "-i",       "sphere.*
 
 TEST_CASE("the process of another container keeps its half-written file, and both runs get theirs") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string claims = scratch.write("claims.toml", one_claim);
     const std::string container = in_container();
     if (container.empty()) WARN("no containers here: tried without one");
-    const fs::path other = scratch.path() / ".claims.csv.partial-1";
+    const fs::path other = scratch / ".claims.csv.partial-1";
     const Held held(other);
     // The word `exec` that follows is for the shell outside; the program becomes process 1 of the container.
     const std::string before = container.empty() ? "" : "exec " + container + " sh -c 'shift; exec \"$@\"' sh";
-    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path(), before);
-    INFO(r.err);
-    CHECK(r.code == 0);
+    must("check " + claims + " --export-csv claims.csv", scratch.path(), before);
     CHECK(fs::exists(other));
-    CHECK(read_csv(scratch.path() / "claims.csv").size() == 1);
+    CHECK(read_csv(scratch / "claims.csv").size() == 1);
 }
 
 TEST_CASE("two containers that write one folder at a time do not mix") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string container = in_container();
     const auto both = [&](const std::string& words) {
         return "map mine.toml -i 'sphere.*' -f f32 --size 60x60 -o out & first=$!; " + container +
@@ -75,11 +72,10 @@ TEST_CASE("two containers that write one folder at a time do not mix") {
     };
     for (int k = 0; k < 3; ++k) {
         const auto r = run(both("map mine.toml -i sphere.press -f f64 --size 60x60 -o out"), scratch.path());
-        INFO(r.out << r.err);
         const bool first = has(r.out, "0 2"), second = has(r.out, "2 0");
         CHECK((first || second || has(r.out, "0 0")));
         CHECK((has(r.out, "0 0") || has(r.err, "another run is writing there")));
-        const auto folder = scratch.path() / "out/mine";
+        const auto folder = scratch / "out/mine";
         std::vector<std::string> listed = Json::parse(contents(folder / "manifest.json")).at("files");
         listed.emplace_back("manifest.json");
         std::ranges::sort(listed);
@@ -90,24 +86,22 @@ TEST_CASE("two containers that write one folder at a time do not mix") {
 
 TEST_CASE("what a dead run left of a single file goes when it is written again") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string claims = scratch.write("claims.toml", one_claim);
     for (const char* left : {".claims.csv.partial-4711", ".claims.csv.partial-abcdefghijkl", ".other.csv.partial-1"})
-        static_cast<void>(scratch.write(left, "half a line"));
-    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path());
-    INFO(r.err);
-    CHECK(r.code == 0);
+        scratch.write(left, "half a line");
+    must("check " + claims + " --export-csv claims.csv", scratch.path());
     CHECK(scratch.files() ==
           std::vector<std::string>{".other.csv.partial-1", "claims.csv", "claims.toml", "mine.toml"});
 }
 
 TEST_CASE("signals that were ignored at the start stay ignored") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGQUIT}) {
         INFO("signal " << signal);
         Started started(slow, scratch.path(), {signal});
-        REQUIRE(started.wait_until([&] { return has_partial_files(scratch.path() / "out"); }));
+        REQUIRE(started.wait_until([&] { return has_partial_files(scratch / "out"); }));
         for (int k = 0; k < 2; ++k) started.send(signal);
         CHECK(started.wait() == 0);
     }
@@ -115,12 +109,12 @@ TEST_CASE("signals that were ignored at the start stay ignored") {
 
 TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGABRT, SIGSEGV, SIGTERM,
                              SIGINT, SIGHUP, SIGXCPU}) {
         INFO("signal " << signal);
         Started started(slow, scratch.path());
-        REQUIRE(started.wait_until([&] { return has_partial_files(scratch.path() / "out"); }));
+        REQUIRE(started.wait_until([&] { return has_partial_files(scratch / "out"); }));
         started.send(signal);
         const bool asks = signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGXCPU;
         CHECK(started.wait() == (asks ? 130 : 128 + signal));
@@ -130,26 +124,26 @@ TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
 
 TEST_CASE("closed standard streams end up in no file") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 --pixels csv --progress bar -v -o ";
-    REQUIRE(run(words + "right", scratch.path()).code == 0);
+    must(words + "right", scratch.path());
     for (const char* closed : {"2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-", "<&-"}) {
         INFO(closed);
         const auto r = run(words + "out " + closed, scratch.path());
         // What cannot be printed is reported by the exit status alone.
         CHECK(r.code == (has(closed, ">&- ") ? 3 : 0));
-        for (const std::string& name : files_below(scratch.path() / "right/mine")) {
+        for (const std::string& name : files_below(scratch / "right/mine")) {
             if (name != "manifest.json")
-                CHECK(contents(scratch.path() / "out/mine" / name) == contents(scratch.path() / "right/mine" / name));
+                CHECK(contents(scratch / "out/mine" / name) == contents(scratch / "right/mine" / name));
         }
-        fs::remove_all(scratch.path() / "out");
+        fs::remove_all(scratch / "out");
     }
 }
 
 TEST_CASE("a run that is killed while it replaces results says that they are not finished") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    const fs::path folder = scratch.path() / "out/mine";
+    scratch.write("mine.toml", good_scene);
+    const fs::path folder = scratch / "out/mine";
     std::vector<std::string> other = slow;
     other[5] = "f64,f32";
     int caught = 0;

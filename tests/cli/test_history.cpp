@@ -14,15 +14,14 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     const Scratch scratch;
     const auto in = [&scratch](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
     const std::string check = "check --filter 'float.*' ";
-    REQUIRE(run(check + "--save " + in("before.json")).code == 0);
-    auto baseline = nlohmann::json::parse(contents(scratch.path() / "before.json"));
+    must(check + "--save " + in("before.json"));
+    auto baseline = nlohmann::json::parse(contents(scratch / "before.json"));
     CHECK(baseline["schema"] == "lostbits-baseline/1");
     REQUIRE(baseline["claims"].size() >= 2);
 
-    const auto same = run(check + "--against " + in("before.json") + " --moves " + in("moves.md"));
-    CHECK(same.code == 0);
+    const auto same = must(check + "--against " + in("before.json") + " --moves " + in("moves.md"));
     CHECK(has(same.out, "no measured value moved; " + std::to_string(baseline["claims"].size()) + " are the same"));
-    CHECK(has(contents(scratch.path() / "moves.md"), "no measured value moved"));
+    CHECK(has(contents(scratch / "moves.md"), "no measured value moved"));
 
     // The first was an ulp less, the last was not there; one is gone, and another was never selected here.
     const std::string first = baseline["claims"][0]["id"], last = baseline["claims"].back()["id"];
@@ -37,19 +36,17 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     baseline["claims"].push_back(gone);
     gone["id"] = "other.unselected";
     baseline["claims"].push_back(gone);
-    static_cast<void>(scratch.write("before.json", baseline.dump()));
+    scratch.write("before.json", baseline.dump());
     const auto moved =
-        run(check + "--against " + in("before.json") + " --moves " + in("moves.md") + " --junit " + in("junit.xml"));
-    INFO(moved.out);
-    CHECK(moved.code == 0);
+        must(check + "--against " + in("before.json") + " --moves " + in("moves.md") + " --junit " + in("junit.xml"));
     CHECK(has(moved.out, "3 measured values moved"));
     CHECK(has(moved.out, first));
     CHECK(has(moved.out, "new: agrees"));
     CHECK(has(moved.out, "gone"));
     CHECK_FALSE(has(moved.out, "other.unselected"));
-    const std::string table = contents(scratch.path() / "moves.md");
+    const std::string table = contents(scratch / "moves.md");
     CHECK(has(table, "| float.gone\\|* |"));
-    const std::string junit = contents(scratch.path() / "junit.xml");
+    const std::string junit = contents(scratch / "junit.xml");
     CHECK(has(junit, "<property name=\"moved\" value=\""));
     CHECK(has(junit, " before, "));
     CHECK(has(junit, "not there before"));
@@ -57,80 +54,64 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
 
 TEST_CASE("a baseline that is none, and options that need one, are refused") {
     const Scratch scratch;
-    const auto refused = [&](const std::string& options, const std::string& says) {
-        const auto r = run("check --filter 'float.*' " + options);
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, says));
+    must("check --filter 'float.*' --save good.json", scratch.path());
+    const auto good = nlohmann::json::parse(contents(scratch / "good.json"));
+    std::vector<Refused> rows{{"--against none.json", "none.json"},
+                              {"--moves m.md", "add --against BASELINE.json"},
+                              {"--profile timing --save x.json", "--profile timing cannot be combined with"}};
+    const auto add = [&](const std::string& text, const std::string& says) {
+        const std::string name = "b" + std::to_string(rows.size()) + ".json";
+        scratch.write(name, text);
+        rows.push_back({"--against " + name, says});
     };
-    const std::string place = (scratch.path() / "b.json").string();
-    refused("--against '" + place + "'", "b.json");
     for (const char* text : {"", "{}", "[]", "{\"schema\": \"lostbits-baseline/2\"}",
                              "{\"schema\": \"lostbits-baseline/1\", \"program\": 3}",
                              R"({"schema": "lostbits-baseline/1", "program": "", "compiler": "", "command": "",
                                  "claims": [{"id": "a", "quantity": "b", "state": "agrees",
-                                             "measured_hex": "0x1p+0\u0000 more", "expected_hex": ["0", "1"]}]})"}) {
-        static_cast<void>(scratch.write("b.json", text));
-        refused("--against '" + place + "'", "name a file that `lostbits check --save` wrote");
-    }
-    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
-    const auto good = nlohmann::json::parse(contents(place));
-    const auto changed = [&](const char* key, const nlohmann::json& value, const std::string& says) {
+                                             "measured_hex": "0x1p+0\u0000 more", "expected_hex": ["0", "1"]}]})"})
+        add(text, "name a file that `lostbits check --save` wrote");
+    const auto change = [&](const char* key, const nlohmann::json& value, const std::string& says) {
         auto baseline = good;
         baseline["claims"][1][key] = value;
-        static_cast<void>(scratch.write("b.json", baseline.dump()));
-        refused("--against '" + place + "'", says);
+        add(baseline.dump(), says);
     };
-    changed("id", good["claims"][0]["id"], "twice");
-    changed("state", "splendid", "in the state \"splendid\", which no claim is ever in");
-    changed("measured_hex", "0x1p99999", "\"0x1p99999\" is not a number that a double holds");
-    changed("measured", 5, "someone has changed one of them");
-    changed("measured", "nan", "someone has changed one of them");
-    changed("quantity", 1, "a key is missing, or is of another type");
-    static_cast<void>(scratch.write("b.json", "{\"schema\":\n  \"lostbits-baseline/1\",,"));
-    refused("--against '" + place + "'", "b.json:2:25: is not JSON from here on");
-    static_cast<void>(scratch.write("b.json", "{}"));
-    refused("--against '" + place + "'", "has no schema, where lostbits-baseline/1 is read");
-    refused("--moves m.md", "add --against BASELINE.json");
-    refused("--profile timing --save '" + place + "'", "--profile timing cannot be combined with");
+    change("id", good["claims"][0]["id"], "twice");
+    change("state", "splendid", "in the state \"splendid\", which no claim is ever in");
+    change("measured_hex", "0x1p99999", "\"0x1p99999\" is not a number that a double holds");
+    change("measured", 5, "someone has changed one of them");
+    change("measured", "nan", "someone has changed one of them");
+    change("quantity", 1, "a key is missing, or is of another type");
+    add("{\"schema\":\n  \"lostbits-baseline/1\",,", ".json:2:25: is not JSON from here on");
+    add("{}", "has no schema, where lostbits-baseline/1 is read");
+    check_refused(scratch, "check --filter 'float.*'", rows);
 }
 
 TEST_CASE("a baseline of other claims, or of another quantity, is said to be one") {
     const Scratch scratch;
-    const std::string place = (scratch.path() / "b.json").string(), check = "check --filter 'float.*' --against '";
-    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
+    const std::string place = (scratch / "b.json").string(), check = "check --filter 'float.*' --against '";
+    must("check --filter 'float.*' --save '" + place + "'");
     auto baseline = nlohmann::json::parse(contents(place));
     baseline["claims"][0]["quantity"] = "p99 of something else";
-    static_cast<void>(scratch.write("b.json", baseline.dump()));
+    scratch.write("b.json", baseline.dump());
     const auto moved = run(check + place + "'");
     CHECK(has(moved.out, "1 measured value moved"));
     CHECK(has(moved.out, "agrees, of another quantity"));
     for (auto& claim : baseline["claims"]) claim["id"] = "other." + claim["id"].get<std::string>();
-    static_cast<void>(scratch.write("b.json", baseline.dump()));
+    scratch.write("b.json", baseline.dump());
     CHECK(has(run(check + place + "'").out, "no claim is in both runs"));
 }
 
 TEST_CASE("two options of check that name one file are refused") {
     const Scratch scratch;
-    const auto in = [&scratch](const std::string& name) { return " '" + (scratch.path() / name).string() + "'"; };
-    for (const std::string& options :
-         {"--export-csv" + in("x") + " --export-json" + in("x"),
-          "--save" + in("x") + " --junit" + in("../" + scratch.path().filename().string() + "/x"),
-          "--against" + in("x") + " --moves" + in("x")}) {
-        const auto r = run("check --filter 'float.*' " + options);
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, "names the same file; give each a file of its own"));
-        CHECK(scratch.files().empty());
-    }
-    const auto relative = run("check --filter 'float.*' --export-csv ./x --export-json x", scratch.path());
-    CHECK(relative.code == 2);
-    const auto among = run("check --filter 'float.*' --report r --junit ./r/README.md", scratch.path());
-    CHECK(has(among.err, "--junit ./r/README.md: lies among the files of --report r"));
-    CHECK(scratch.files().empty());
-    const std::string check = "check --filter 'float.*' --save b.json";
-    CHECK(run(check, scratch.path()).code == 0);
-    CHECK(run(check + " --against ./b.json", scratch.path()).code == 0);
+    const std::string same = "names the same file; give each a file of its own";
+    check_refused(scratch, "check --filter 'float.*'",
+                  {{"--export-csv x --export-json x", same},
+                   {"--export-csv ./x --export-json x", same},
+                   {"--save x --junit ../" + scratch.path().filename().string() + "/x", same},
+                   {"--against x --moves x", same},
+                   {"--report r --junit ./r/README.md", "--junit ./r/README.md: lies among the files of --report r"}});
+    must("check --filter 'float.*' --save b.json", scratch.path());
+    must("check --filter 'float.*' --save b.json --against ./b.json", scratch.path());
 }
 
 }  // namespace test_history

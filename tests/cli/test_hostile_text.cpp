@@ -10,7 +10,6 @@ namespace test_hostile_text {
 
 using namespace lostbits::test;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -18,11 +17,11 @@ namespace {
 const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[error]forged %0A [link](javascript:x) )"
                             R"(\uFFFF\u202E &amp; \"q\" ' `b` \\| end)";
 
-std::string claims(const std::string& text, const std::string& id) {
-    return "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"" + id + "\"\nstatement = \"" + text + "\"\nsource = \"" +
-           text + "\"\nnote = \"" + text +
-           "\"\nverdict = \"holds\"\n[claim.given]\nscene = \"mine.toml\"\nform = \"sphere.press\"\nformat = "
-           "\"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = [0.5, 1]\n";
+std::string claim(const std::string& id) {
+    std::string text = claims_of(
+        {{id, "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction", "[0.5, 1]"),
+          "note = \"" + hostile + "\"\n", "\"holds\"", hostile}});
+    return text.replace(text.find("A sentence"), 10, hostile);
 }
 
 bool has_forged_command(const std::string& text) {
@@ -33,48 +32,45 @@ bool has_forged_command(const std::string& text) {
 
 TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\"")));
-    static_cast<void>(scratch.write("claims.toml", claims(hostile, hostile)));
+    scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
+    scratch.write("claims.toml", claim(hostile));
     const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
                        scratch.path());
-    INFO(r.out << r.err);
     REQUIRE(r.code == 1);
     // One line more than there are, and it would be somebody else's command.
     CHECK_FALSE(has_forged_command(r.out));
     CHECK(has(r.out, "\n::error file=claims.toml,line=2,title=="));
     CHECK(has(r.out, "%250A"));
 
-    const std::string junit = contents(scratch.path() / "j.xml");
+    const std::string junit = contents(scratch / "j.xml");
     CHECK_FALSE(has(junit, "<script>"));
     CHECK_FALSE(has(junit, "\xEF\xBF\xBF"));
     CHECK(has(junit, "&lt;script&gt;"));
 
-    static_cast<void>(scratch.write("plain.toml", claims(hostile, "plain")));
+    scratch.write("plain.toml", claim("plain"));
     REQUIRE(run("check plain.toml --report report", scratch.path()).code == 1);
-    const std::string readme = contents(scratch.path() / "report/README.md");
+    const std::string readme = contents(scratch / "report/README.md");
     CHECK_FALSE(has(readme, " <script>"));
     CHECK_FALSE(has(readme, "|<script>"));
     CHECK_FALSE(has(readme, "\n::error"));
     CHECK_FALSE(has(readme, "[link](javascript"));
     CHECK(has(readme, "\\|\\<script>"));
 
-    CHECK(has(contents(scratch.path() / "c.csv"), "\"'=SUM(1)"));
-    const auto json = Json::parse(contents(scratch.path() / "c.json"));
+    CHECK(has(contents(scratch / "c.csv"), "\"'=SUM(1)"));
+    const auto json = Json::parse(contents(scratch / "c.json"));
     CHECK(has(json.at(0).at("statement"), "\n::error::forged"));
 }
 
 TEST_CASE("titles and names of files are text on a terminal") {
     const Scratch scratch;
-    fs::create_directories(scratch.path() / "data/scenes");
-    static_cast<void>(scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\"")));
-    const auto list = run("--data data list scenes", scratch.path());
-    INFO(list.out << list.err);
-    CHECK(list.code == 0);
+    fs::create_directories(scratch / "data/scenes");
+    scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
+    const auto list = must("--data data list scenes", scratch.path());
     CHECK_FALSE(has_forged_command(list.out));
     CHECK(has(run("--data data list scenes --json", scratch.path()).out, "\\n::error::forged"));
     // A column, and a file that is not there.
-    static_cast<void>(scratch.write("a.csv", "\"x\n::error::forged\x1b[31m\"\n1\n"));
-    static_cast<void>(scratch.write("b.csv", "\"x\n::error::forged\x1b[31m\"\n2\n"));
+    scratch.write("a.csv", "\"x\n::error::forged\x1b[31m\"\n1\n");
+    scratch.write("b.csv", "\"x\n::error::forged\x1b[31m\"\n2\n");
     for (const std::string words : {"diff a.csv b.csv", "map 'a\n::error::forged\x1b[31m.toml' -o out",
                                     "judge a.csv --sphere 0,0,0,1 -o out", "list '\n::error::forged'"}) {
         const auto r = run(words, scratch.path());
@@ -88,10 +84,8 @@ TEST_CASE("titles and names of files are text on a terminal") {
 
 TEST_CASE("a column that is named like a formula is text in the table of rays") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,=cmd()\n0,0,5,0,0,-1,=cmd()\n"));
-    const auto r = run("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,=cmd()\n0,0,5,0,0,-1,=cmd()\n");
+    must("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
     std::size_t tables = 0;
     for (const std::string& file : scratch.files()) {
         const std::string text = contents(scratch.path() / file);
@@ -105,20 +99,20 @@ TEST_CASE("a column that is named like a formula is text in the table of rays") 
 
 TEST_CASE("a file that would have a terminal obey is refused") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")")));
+    scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")"));
     const auto r = run("map mine.toml -o out", scratch.path());
     CHECK(r.code == 2);
     CHECK(has(r.err, "mine.toml:2:9: title holds the control character 27, which a terminal would obey; leave it out"));
-    CHECK_FALSE(fs::exists(scratch.path() / "out"));
+    CHECK_FALSE(fs::exists(scratch / "out"));
 }
 
 TEST_CASE("a name of a file moves no cursor where two folders differ") {
     const Scratch scratch;
     const std::string name = "x\x1b[31m\n::error::forged\xE2\x80\xAE.csv";
     for (const char* folder : {"a", "b"}) fs::create_directories(scratch.path() / folder);
-    static_cast<void>(scratch.write("a/" + name, "x\n1\n"));
-    static_cast<void>(scratch.write("b/" + name, "x\n2\n"));
-    static_cast<void>(scratch.write("a/1" + name, "x\n1\n"));
+    scratch.write("a/" + name, "x\n1\n");
+    scratch.write("b/" + name, "x\n2\n");
+    scratch.write("a/1" + name, "x\n1\n");
     for (const char* words : {"diff --strict a b", "diff --strict -v a b", "diff --strict -v a a"}) {
         const auto r = run(words, scratch.path());
         INFO(words << "\n" << r.out << r.err);

@@ -8,7 +8,6 @@
 namespace test_inputs_stay {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -22,7 +21,7 @@ public:
         keep("claims.toml", one_claim);
         keep("rays.csv", one_ray);
         keep("form.glsl", "bool intersect(vec3 o, vec3 d, vec3 c, float r, out float t) { t = 1.0; return true; }\n");
-        REQUIRE(run("check claims.toml --save base.json", scratch_.path()).code == 0);
+        must("check claims.toml --save base.json", scratch_.path());
         keep("base.json", contents(scratch_.path() / "base.json"));
     }
     [[nodiscard]] fs::path operator/(const std::string& name) const { return scratch_.path() / name; }
@@ -40,7 +39,7 @@ public:
 
 private:
     void keep(const std::string& name, const std::string& text) {
-        static_cast<void>(scratch_.write(name, text));
+        scratch_.write(name, text);
         kept_[name] = text;
     }
 
@@ -70,18 +69,18 @@ TEST_CASE("no output of checked claims is one of their inputs") {
     inputs.refused("check claims.toml --against base.json --junit other.json", taken);
     inputs.refused("check claims.toml --shader form.glsl:intersect --junit form.glsl", "form.glsl");
     // A baseline may be compared with and replaced.
-    CHECK(run("check claims.toml --against base.json --save base.json", inputs / "").code == 0);
+    must("check claims.toml --against base.json --save base.json", inputs / "");
 }
 
 TEST_CASE("a folder of results that holds an input stays as it is") {
     const Inputs inputs;
-    REQUIRE(run("map mine.toml -i sphere.press,sphere.unified -f f32 --pixels csv -o a", inputs / "").code == 0);
+    must("map mine.toml -i sphere.press,sphere.unified -f f32 --pixels csv -o a", inputs / "");
     const std::string before = contents(inputs / "a/mine/summary.csv");
     // Drawn into one of the two, the results of that one would go first.
     inputs.refused("diff a/mine a/mine --draw a/mine", taken);
     CHECK(contents(inputs / "a/mine/summary.csv") == before);
     // What an earlier run wrote goes before the results of the next: not where it is asked about.
-    REQUIRE(run("judge rays.csv --sphere 0,0,0,1 -i sphere.press --rows -o b", inputs / "").code == 0);
+    must("judge rays.csv --sphere 0,0,0,1 -i sphere.press --rows -o b", inputs / "");
     fs::path table;
     for (const auto& entry : fs::directory_iterator(inputs / "b/rays")) {
         if (entry.path().extension() == ".csv" && entry.path().filename() != "summary.csv") table = entry.path();
@@ -114,14 +113,14 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     refused_for("contact.png", "is a link, or lies behind one");
     CHECK(contents(inputs / "elsewhere") == "precious");
     write(folder / "mine.txt");
-    REQUIRE(run(words, inputs / "").code == 0);
+    must(words, inputs / "");
     CHECK(contents(folder / "mine.txt") == "precious");
     // A result that was replaced by a link since is somebody's own as well.
     fs::remove(folder / "summary.csv");
     fs::create_symlink(inputs / "elsewhere", folder / "summary.csv");
     refused_for("summary.csv", "is a link, or lies behind one");
     CHECK(contents(inputs / "elsewhere") == "precious");
-    CHECK(run(words, inputs / "").code == 0);
+    must(words, inputs / "");
     fs::remove_all(folder);
     fs::create_directories(folder);
     write(folder / "datapackage.json");
@@ -178,7 +177,6 @@ TEST_CASE("an image module without room says so") {
     draw_pictures();
     const Inputs inputs;
     const auto r = run("map mine.toml -i sphere.press -f f32 -o out", inputs / "", "ulimit -v 250000;");
-    INFO(r.err);
     CHECK(r.code == 3);
     CHECK(has(r.err, "raise `ulimit -v`"));
     CHECK_FALSE(has(r.err, "install OpenImageIO"));

@@ -11,7 +11,6 @@
 namespace test_judge {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -32,19 +31,18 @@ TEST_CASE("the program of the page on judging writes the file that it judges") {
     REQUIRE(std::system(("cc -O1 -ffp-contract=off -o '" + folder + "/dump' '" + source + "' -lm && '" + folder +
                          "/dump' > '" + folder + "/made.csv'")
                             .c_str()) == 0);
-    CHECK(contents(scratch.path() / "made.csv") == contents(dumps / "far-sphere.csv"));
+    CHECK(contents(scratch / "made.csv") == contents(dumps / "far-sphere.csv"));
 }
 
 TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same numbers") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + into(scratch, "a")).code == 0);
-    REQUIRE(run("judge " + far_raw + into(scratch, "b")).code == 0);
-    REQUIRE(run("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
-                "cat '" + (dumps / "far-sphere.csv").string() + "' |")
-                .code == 0);
-    const auto a = read_csv(scratch.path() / "a/far-sphere/summary.csv");
-    const auto b = read_csv(scratch.path() / "b/far-sphere/summary.csv");
-    auto c = read_csv(scratch.path() / "c/stdin/summary.csv");
+    must("judge " + far_csv + into(scratch, "a"));
+    must("judge " + far_raw + into(scratch, "b"));
+    must("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
+         "cat '" + (dumps / "far-sphere.csv").string() + "' |");
+    const auto a = read_csv(scratch / "a/far-sphere/summary.csv");
+    const auto b = read_csv(scratch / "b/far-sphere/summary.csv");
+    auto c = read_csv(scratch / "c/stdin/summary.csv");
     REQUIRE(a.size() == 1);
     CHECK(a == b);
     c.front()["form"] = "file.far-sphere";
@@ -55,12 +53,10 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
 
 TEST_CASE("judged rays are grouped by a column of the file") {
     const Scratch scratch;
-    const auto r = run("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
     CHECK(has(r.out, "    y 31 "));
     CHECK(has(r.out, "too few      beyond"));
-    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    const auto rows = read_csv(scratch / "out/far-sphere/summary.csv");
     REQUIRE(rows.size() == 2 * 33);
     for (const std::size_t form : {std::size_t{0}, std::size_t{33}}) {
         CHECK(rows[form].at("y").empty());
@@ -81,22 +77,17 @@ TEST_CASE("judged rays are grouped by a column of the file") {
 
 TEST_CASE("a length has a unit where one is declared, and a group is a column of the file's own") {
     const Scratch scratch;
-    const auto says = [&](const std::string& words, const std::string& what) {
-        const auto r = run("judge " + far_csv + " " + words + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, what));
-    };
-    says("--tolerance 1mm", "do not say what their unit of length is");
-    says("--tolerance 1mm --unit yard", "is not a unit of length");
-    says("--tolerance 1furlong --unit m", "is not a length");
-    says("--tolerance -1", "is not a length");
-    says("--unit m", "is the unit of --tolerance");
-    says("--by z", "it has x, y");
-    says("--by ox", "it has x, y");
-    says("--by x --metric tolerance:0.1 --tolerance 0.2", "one number a run");
+    check_refused(scratch, "judge -o out " + far_csv,
+                  {{"--tolerance 1mm", "do not say what their unit of length is"},
+                   {"--tolerance 1mm --unit yard", "is not a unit of length"},
+                   {"--tolerance 1furlong --unit m", "is not a length"},
+                   {"--tolerance -1", "is not a length"},
+                   {"--unit m", "is the unit of --tolerance"},
+                   {"--by z", "it has x, y"},
+                   {"--by ox", "it has x, y"},
+                   {"--by x --metric tolerance:0.1 --tolerance 0.2", "one number a run"}});
     const auto beyond = [&](const std::string& words, const std::string& folder) {
-        REQUIRE(run("judge " + far_csv + " " + words + into(scratch, folder)).code == 0);
+        must("judge " + far_csv + " " + words + into(scratch, folder));
         return read_csv(scratch.path() / folder / "far-sphere/summary.csv").front().at("tolerance_beyond");
     };
     const std::string in_units = beyond("--tolerance 0.02", "a");
@@ -115,8 +106,8 @@ TEST_CASE("a length has a unit where one is declared, and a group is a column of
 
 TEST_CASE("the rows of judged rays keep the columns of the file") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --rows" + into(scratch)).code == 0);
-    const auto rows = read_csv(scratch.path() / "out/far-sphere/file.far-sphere.f32.csv");
+    must("judge " + far_csv + " --rows" + into(scratch));
+    const auto rows = read_csv(scratch / "out/far-sphere/file.far-sphere.f32.csv");
     REQUIRE(rows.size() == 1536);
     CHECK(rows[100].at("x") == "4");
     CHECK(rows[100].at("y") == "2");
@@ -134,14 +125,12 @@ TEST_CASE("the rows of judged rays keep the columns of the file") {
 
 TEST_CASE("the worst rays of a file are cases that the formula of its answers gets as wrong") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --worst 3" + into(scratch)).code == 0);
-    const std::string cases = (scratch.path() / "out/far-sphere/worst.toml").string();
-    const auto r = run("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto rows = read_csv(scratch.path() / "again/worst/cases.csv");
+    must("judge " + far_csv + " --worst 3" + into(scratch));
+    const std::string cases = (scratch / "out/far-sphere/worst.toml").string();
+    must("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
+    const auto rows = read_csv(scratch / "again/worst/cases.csv");
     CHECK(rows.size() == 9);  // three errors, three false misses, three false hits
-    REQUIRE(run("judge " + far_csv + " --worst 0" + into(scratch)).code == 0);
+    must("judge " + far_csv + " --worst 0" + into(scratch));
     CHECK_FALSE(fs::exists(cases));
     std::size_t false_hits = 0;
     for (const auto& row : rows) {
@@ -154,12 +143,8 @@ TEST_CASE("the worst rays of a file are cases that the formula of its answers ge
 TEST_CASE("rays without answers are answered by forms") {
     const Scratch scratch;
     const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n0,0,-5,0,0,2,0,0,0,1\n");
-    const auto none = run("judge '" + file + "'" + into(scratch));
-    CHECK(none.code == 4);
-    CHECK(has(none.err, "-i 'sphere.*'"));
-    CHECK(run("judge '" + file + "' -i 'box.*'" + into(scratch)).code == 4);
-    REQUIRE(run("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch)).code == 0);
-    const auto rows = read_csv(scratch.path() / "out/rays/summary.csv");
+    must("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch));
+    const auto rows = read_csv(scratch / "out/rays/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("agree_hit") == "1");
     CHECK(has(rows[0].at("worst_explain"), "lostbits explain --sphere=0x0p+0,0x0p+0,0x0p+0,0x1p+0 --ray="));
@@ -167,11 +152,10 @@ TEST_CASE("rays without answers are answered by forms") {
 
 TEST_CASE("metrics of a formula are measured of forms, and left out of the file's answers") {
     const Scratch scratch;
-    const auto r = run("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
-    REQUIRE(r.code == 0);
+    const auto r = must("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
     CHECK(has(r.err, "file.far-sphere"));
     CHECK(has(r.err, "culprit"));
-    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    const auto rows = read_csv(scratch / "out/far-sphere/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("culprit").empty());
     CHECK_FALSE(rows[1].at("culprit").empty());
@@ -180,68 +164,59 @@ TEST_CASE("metrics of a formula are measured of forms, and left out of the file'
 }
 
 TEST_CASE("judge says what it needs to know, and writes nothing") {
-    struct Bad {
-        std::string options, text;
-        const char* says;
-    };
-    const std::array bad{
-        Bad{"--sphere 0,0,0,1", head + good + "0,0,-5,0,0,1,1,x\n", "rays.csv:3:16: t \"x\" is not a number"},
-        Bad{"--sphere 0,0,0,1", head + good + "0,0,-5,0,0,1\n", "rays.csv:3:1: has 6 cells"},
-        Bad{"--sphere 0,0,0,1", head, "rays.csv: has no rays"},
-        Bad{"", head + good, "--sphere CX,CY,CZ,R"},
-        Bad{"--sphere 0,0,0", head + good, "has 3 numbers; write CX,CY,CZ,R"},
-        Bad{"--sphere 0,0,0,-1", head + good, "greater than 0"},
-        Bad{"--box 0,0,0,1,-1,1", head + good, "lo <= hi"},
-        Bad{"--sphere 0,0,0,1 --scene near-benign", head + good, "write one or the other"},
-        Bad{"--sphere 0,0,0,1 --box 4,4,4,5,5,5 -i sphere.press+sphere.unified", head + good, "are both for spheres"},
-        Bad{"--sphere 0,0,0,1 --size 7x1", head + good, "has 1 rays where a picture of 7x1 has 7"},
-        Bad{"--sphere 0,0,0,1 --size 0x0", head + good, "whole numbers from 1 to 65536"},
-        Bad{"--sphere 0,0,0,1 --size=-1x5", head + good, "whole numbers from 1 to 65536"},
-        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "whose operations are not known"},
-        Bad{"--sphere 0,0,0,1 --metric lost_bit", head + good, "lost_bits"},
-        Bad{"--sphere 0,0,0,1 --format f23", head + good, "unknown format"},
-        Bad{"--sphere 0,0,0,1 --miss nan", head + good, "--miss nan"},
-        Bad{"--scene rtg-fig-7-4", head + good, "variants"},
-        Bad{"--scene sphereflake-near", head + good, "solids"},
-        Bad{"--sphere 0,0,0,1 --skip 3", head + good, "--skip"},
-        Bad{"--sphere 0,0,0,1 -i sphere.press --touching miss", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n",
-            "and it has none (columns hit or t); leave --touching out"},
-    };
-    for (const Bad& b : bad) {
-        INFO(b.options << "\n" << b.text);
-        const Scratch scratch;
-        const std::string file = scratch.write("rays.csv", b.text);
-        const auto r = run("judge '" + file + "' " + b.options + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(r.out.empty());
-        CHECK(has(r.err, b.says));
-        CHECK(scratch.files() == std::vector<std::string>{"rays.csv"});
-        CHECK_FALSE(fs::exists(scratch.path() / "out"));
-    }
     const Scratch scratch;
-    CHECK(run("judge '" + scratch.path().string() + "/none.csv'" + into(scratch)).code == 2);
+    const std::pair<const char*, std::string> files[] = {{"rays.csv", head + good},
+                                                         {"word.csv", head + good + "0,0,-5,0,0,1,1,x\n"},
+                                                         {"cells.csv", head + good + "0,0,-5,0,0,1\n"},
+                                                         {"none.csv", head},
+                                                         {"bare.csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n"}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    check_refused(scratch, "judge -o out",
+                  {{"rays.csv", "--sphere CX,CY,CZ,R"},
+                   {"rays.csv --sphere 0,0,0", "has 3 numbers; write CX,CY,CZ,R"},
+                   {"rays.csv --sphere 0,0,0,-1", "greater than 0"},
+                   {"rays.csv --box 0,0,0,1,-1,1", "lo <= hi"},
+                   {"rays.csv --scene rtg-fig-7-4", "variants"},
+                   {"rays.csv --scene sphereflake-near", "solids"},
+                   {"no-such.csv", "no-such.csv"}});
+    check_refused(
+        scratch, "judge -o out --sphere 0,0,0,1",
+        {{"word.csv", "word.csv:3:16: t \"x\" is not a number"},
+         {"cells.csv", "cells.csv:3:1: has 6 cells"},
+         {"none.csv", "none.csv: has no rays"},
+         {"rays.csv --scene near-benign", "write one or the other"},
+         {"rays.csv --box 4,4,4,5,5,5 -i sphere.press+sphere.unified", "are both for spheres"},
+         {"rays.csv --size 7x1", "has 1 rays where a picture of 7x1 has 7"},
+         {"rays.csv --size 0x0", "whole numbers from 1 to 65536"},
+         {"rays.csv --size=-1x5", "whole numbers from 1 to 65536"},
+         {"rays.csv --metric culprit", "whose operations are not known"},
+         {"rays.csv --metric lost_bit", "lost_bits"},
+         {"rays.csv --format f23", "unknown format"},
+         {"rays.csv --miss nan", "--miss nan"},
+         {"rays.csv --skip 3", "--skip"},
+         {"rays.csv --against box.signs", "no selected form is for that"},
+         {"bare.csv", "-i 'sphere.*'", 4},
+         {"bare.csv -i 'box.*'", "no selected form handles its solids", 4},
+         {"bare.csv -i sphere.press --touching miss", "and it has none (columns hit or t); leave --touching out"}});
 }
 
 TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --against sphere.schoolbook" + into(scratch)).code == 0);
-    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    must("judge " + far_csv + " --against sphere.schoolbook" + into(scratch));
+    const auto rows = read_csv(scratch / "out/far-sphere/summary.csv");
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].at("against_same_t") == "1309");  // the program of the page has the operations of that form
     CHECK(rows[0].at("against_other_t") == "0");
-    CHECK(run("judge " + far_csv + " --against box.signs" + into(scratch)).code == 2);
     std::string text = head;
     for (int i = 0; i < 100; ++i)
         text +=
             "0,0," + std::to_string(-5 - i) + ",0,0," + std::to_string(2 + i) + ",1," + std::to_string(4 + i) + "\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto wrong = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
-    CHECK(wrong.code == 0);
+    const auto wrong = must("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wrong.err, "--direction unit"));
     const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --format f32" + into(scratch));
     CHECK(right.err.empty());
-    CHECK(read_csv(scratch.path() / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
+    CHECK(read_csv(scratch / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
 }
 
 TEST_CASE("notes say that numbers were rounded, and that answers look like floats") {
@@ -249,8 +224,7 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto r = run("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
-    CHECK(r.code == 0);
+    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
     CHECK(has(r.err, "20 numbers are not numbers of f32"));
     const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wide.err, "--format f32"));
@@ -261,8 +235,7 @@ TEST_CASE("what judge suspects is said in words of files") {
     const Scratch scratch;
     const auto judged = [&](const std::string& rows, const std::string& options) {
         const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n" + rows);
-        const auto r = run("judge '" + file + "' --format f32 " + options + into(scratch));
-        CHECK(r.code == 0);
+        const auto r = must("judge '" + file + "' --format f32 " + options + into(scratch));
         for (const char* word : {"unit_direction", "flags", "inside=", "hand over", "whole_line", "roots"})
             CHECK_FALSE(has(r.err, word));
         return r.err;

@@ -15,7 +15,6 @@
 namespace test_kills {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -70,7 +69,7 @@ void kill_once(const Scratch& scratch, const Command& command, std::mt19937& ran
         std::chrono::duration<double>(std::uniform_real_distribution<double>(0, 1.1 * command.seconds)(random)));
     started.send(kills ? SIGKILL : SIGTERM);
     const int code = started.wait();
-    INFO(contents(scratch.path() / "err.txt"));
+    INFO(contents(scratch / "err.txt"));
     // SIGTERM may come before the program has said what it does then.
     REQUIRE((code == 0 || code == 130 || code == 128 + SIGKILL || code == 128 + SIGTERM));
     ++(code == 0 ? counts.unharmed : kills ? counts.killed : counts.asked);
@@ -80,7 +79,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
     const char* const wanted = std::getenv("LOSTBITS_KILLS");
     const int kills = wanted != nullptr ? std::atoi(wanted) / 2 : is_long() ? 20 : 8;
     a.try_alone(scratch, folder);
-    fs::remove_all(scratch.path() / "out");
+    fs::remove_all(scratch / "out");
     b.try_alone(scratch, folder);
     std::mt19937 random(19);
     Counts counts;
@@ -94,7 +93,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
     }
     REQUIRE(Started(a.words, scratch.path()).wait() == 0);
     CHECK(files_in(folder) == a.right);
-    CHECK(files_below(scratch.path() / "out").size() == a.right.size());
+    CHECK(files_below(scratch / "out").size() == a.right.size());
     if (wanted != nullptr)
         std::cout << a.words.front() << ": " << counts.killed << " killed, " << counts.asked << " asked to end, "
                   << counts.unharmed << " done all the same; afterwards " << counts.unfinished
@@ -106,20 +105,20 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
 
 TEST_CASE("maps that are killed while they replace each other damage nothing, and the next leaves nothing") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     kill_often(
-        scratch, scratch.path() / "out/mine",
+        scratch, scratch / "out/mine",
         {{"map", "mine.toml", "-i", "sphere.p*,sphere.h*", "-f", "f32", "--pixels", "csv", "-o", "out"}},
         {{"map", "mine.toml", "-i", "sphere.p*", "-f", "f32,f64", "--metric", "lost_bits,ulp_error", "-o", "out"}});
 }
 
 TEST_CASE("sweeps that are killed while they replace each other damage nothing, and the next leaves nothing") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("small.toml", small_sweep));
+    scratch.write("small.toml", small_sweep);
     const std::vector<std::string> words{"sweep", "small.toml", "-i", "sphere.p*", "--seeds", "0", "-o", "out"};
     auto other = words;
     other.insert(other.end(), {"-f", "f32"});
-    kill_often(scratch, scratch.path() / "out/small", {words}, {other});
+    kill_often(scratch, scratch / "out/small", {words}, {other});
 }
 
 }  // namespace test_kills

@@ -10,7 +10,6 @@
 namespace test_limits {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -55,10 +54,9 @@ std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds)
 TEST_CASE("a picture that claims more than its file can hold is refused before memory is taken") {
     draw_pictures();
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.exr", exr_head(16384)));
-    static_cast<void>(scratch.write("b.exr", exr_head(16384) + "x"));
+    scratch.write("a.exr", exr_head(16384));
+    scratch.write("b.exr", exr_head(16384) + "x");
     const auto r = run("diff a.exr b.exr", scratch.path(), under_sanitizer ? "" : "ulimit -v 4000000;");
-    INFO(r.err);
     CHECK(r.code == 2);
     CHECK(has(r.err, "a.exr: claims 16384x16384 pixels of 76 bytes, 20 GB, which no file of"));
     CHECK(has(r.err, "give one that is complete"));
@@ -69,10 +67,10 @@ TEST_CASE("numbers of any size are compared in no time") {
     std::string huge = "x\n", tiny = "x\n", hex = "x\n", other = "x\n";
     for (int i = 0; i < 4000; ++i)
         huge += "1e9999\n", tiny += "1e-9999\n", hex += "0x1p-1100\n", other += "0x1p-1101\n";
-    static_cast<void>(scratch.write("huge.csv", huge));
-    static_cast<void>(scratch.write("tiny.csv", tiny));
-    static_cast<void>(scratch.write("hex.csv", hex));
-    static_cast<void>(scratch.write("other.csv", other));
+    scratch.write("huge.csv", huge);
+    scratch.write("tiny.csv", tiny);
+    scratch.write("hex.csv", hex);
+    scratch.write("other.csv", other);
     for (const char* words : {"huge.csv tiny.csv", "hex.csv other.csv", "huge.csv tiny.csv --tolerance x=0.5,1e-3"}) {
         const auto r = run("diff " + std::string(words), scratch.path(), at_most(5));
         INFO(words << r.err);
@@ -93,25 +91,24 @@ TEST_CASE("any number of columns may have moved") {
         }
         return names + "\n" + cells + "\n";
     };
-    static_cast<void>(scratch.write("a.csv", table()));
+    scratch.write("a.csv", table());
     std::ranges::shuffle(order, std::mt19937(1));
-    static_cast<void>(scratch.write("b.csv", table()));
+    scratch.write("b.csv", table());
     const auto r = run("diff a.csv b.csv", scratch.path(), at_most(5));
-    INFO(r.err);
     CHECK(r.code == 1);
     CHECK(has(r.out, "moved from place"));
 }
 
 TEST_CASE("no name of a file leads out of the folder of results") {
     const Scratch scratch;
-    fs::create_directories(scratch.path() / "in");
-    static_cast<void>(scratch.write("in/...toml", small_sweep));
-    static_cast<void>(scratch.write("in/...csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n"));
-    static_cast<void>(scratch.write("in/a\nb.toml", small_sweep));
+    fs::create_directories(scratch / "in");
+    scratch.write("in/...toml", small_sweep);
+    scratch.write("in/...csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
+    scratch.write("in/a\nb.toml", small_sweep);
     const auto before = scratch.files();
     for (const std::string words : {"sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
                                     "sweep 'a\nb.toml'", "choose ./...csv --sphere 0,0,0,1 --bits 3"}) {
-        const auto r = run(words + " -o out", scratch.path() / "in");
+        const auto r = run(words + " -o out", scratch / "in");
         INFO(words << "\n" << r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, "rename it"));
@@ -121,10 +118,9 @@ TEST_CASE("no name of a file leads out of the folder of results") {
 
 TEST_CASE("what a machine cannot hold open is said before the work, and nothing is written") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const auto few =
         run("map mine.toml -i 'sphere.*' -f p2..p53 --pictures all -o out", scratch.path(), "ulimit -n 128;");
-    INFO(few.err);
     CHECK(few.code == 3);
     CHECK(has(few.err, "files at once, and this machine lets a process have 128 open (`ulimit -n`)"));
     CHECK(has(few.err, "select fewer forms, formats or metrics"));
@@ -132,7 +128,6 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     if (under_sanitizer) return;
     const auto little = run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' --pictures all -o out", scratch.path(),
                             "ulimit -v 2000000;");
-    INFO(little.err);
     CHECK(little.code == 3);
     // Of memory, where the machine lets so many be open.
     CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));

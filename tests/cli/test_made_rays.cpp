@@ -22,20 +22,15 @@ const std::set<std::string_view> stay_apart{"bevy_view", "nvpro",         "godot
 }  // namespace
 
 using namespace lostbits;
-using test::has;
-using test::number_in;
-using test::read_csv;
-using test::run;
-using test::Scratch;
+using namespace lostbits::test;
 
 TEST_CASE("twelve kilometres out the ways that subtract points of the world lose the direction, and no other does") {
     const Scratch folder;
-    const auto r =
-        run("map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
-            "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
-            (folder.path() / "out").string() + "'");
-    REQUIRE(r.code == 0);
-    const auto rows = read_csv(folder.path() / "out/camera-far.zero_to_one/summary.csv");
+    must(
+        "map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
+        "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
+        (folder / "out").string() + "'");
+    const auto rows = read_csv(folder / "out/camera-far.zero_to_one/summary.csv");
     REQUIRE(rows.size() == scene::camera::makers().size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const auto& row = rows[k];
@@ -54,9 +49,8 @@ TEST_CASE("a way behind the form and the same way in the scene are one map") {
     const Scratch folder;
     const auto mapped = [&folder](const std::string& words, const std::string& name) {
         const std::string out = (folder.path() / name).string();
-        REQUIRE(run("map camera-far.endless " + words +
-                    " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'")
-                    .code == 0);
+        must("map camera-far.endless " + words +
+             " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'");
         return read_csv(folder.path() / name / "camera-far.endless/summary.csv");
     };
     for (const std::string maker : {"three", "bevy"}) {
@@ -89,34 +83,27 @@ TEST_CASE("explain looks at the ray that the way makes") {
 }
 
 TEST_CASE("what is wrong with a way to make rays is said, and nothing is written") {
+    const std::string own = "gives forms the camera's own rays", each = "each format makes the rays of this scene";
     const Scratch folder;
-    const std::string out = " -o '" + (folder.path() / "out").string() + "'";
-    const std::pair<const char*, const char*> mistakes[] = {
-        {"map camera-far.endless -i sphere.unified@ray-thre -f f32", "unknown maker; did you mean \"three\"?"},
-        {"map camera-far.endless -i sphere.unified@ray-three@ray-dxr -f f32", "stands behind one form"},
-        {"map instance-far.sphere -i sphere.unified@plain@ray-dxr -f f32", "camera.rays = \"dxr\""},
-        {"map camera-far.endless -i sphere.unified@ray-dxr^box.signs -f f32", "the rays stands last"},
-        {"map instance-far.sphere -i sphere.unified@ray-dxr@pbrt -f f32", "the rays stands last"},
-        {"map spheres-on-floor -i sphere.unified@ray-dxr+box.signs -f f32", "of several shapes"},
-        {"map near-benign -i sphere.unified@ray-dxr -f f32", "need the planes of a projection"},
-        {"map camera-far.endless --set camera.projection.near=0 -f f32", "must be greater than 0"},
-        {"map camera-far.gl --set camera.projection.far=0.125 -f f32", "is not beyond near"},
-        {"map camera-far.endless -i sphere.unified@ray-dxr --bits-needed 12 -f f32",
-         "gives forms the camera's own rays"},
-        {"sweep sphere-distance -i sphere.unified@ray-dxr -f f32", "are not those of a camera with a projection"},
-        {"offsets camera-far.endless -i sphere.unified@ray-dxr", "gives forms the camera's own rays"},
-        {"offsets camera-far.endless --set camera.rays=dxr", "each format makes the rays of this scene"},
-        {"choose camera-far.endless --set camera.rays=dxr --bits 12", "each format makes the rays of this scene"},
-        {"trade -i sphere.unified@ray-dxr", "gives forms the camera's own rays"},
-    };
-    for (const auto& [words, message] : mistakes) {
-        const auto r = run(words + out);
-        CAPTURE(words, r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, message));
-    }
-    CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
-    CHECK(has(run("explain camera-far.endless --ray 0,0,0,0,0,1 -i sphere.unified@ray-dxr").err, "no camera makes it"));
+    check_refused(folder, "map -f f32 -o out",
+                  {{"camera-far.endless -i sphere.unified@ray-thre", "unknown maker; did you mean \"three\"?"},
+                   {"camera-far.endless -i sphere.unified@ray-three@ray-dxr", "stands behind one form"},
+                   {"instance-far.sphere -i sphere.unified@plain@ray-dxr", "camera.rays = \"dxr\""},
+                   {"camera-far.endless -i sphere.unified@ray-dxr^box.signs", "the rays stands last"},
+                   {"instance-far.sphere -i sphere.unified@ray-dxr@pbrt", "the rays stands last"},
+                   {"spheres-on-floor -i sphere.unified@ray-dxr+box.signs", "of several shapes"},
+                   {"near-benign -i sphere.unified@ray-dxr", "need the planes of a projection"},
+                   {"camera-far.endless --set camera.projection.near=0", "must be greater than 0"},
+                   {"camera-far.gl --set camera.projection.far=0.125", "is not beyond near"},
+                   {"camera-far.endless -i sphere.unified@ray-dxr --bits-needed 12", own}});
+    check_refused(folder, "",
+                  {{"sweep sphere-distance -i sphere.unified@ray-dxr -f f32 -o out",
+                    "are not those of a camera with a projection"},
+                   {"offsets camera-far.endless -i sphere.unified@ray-dxr -o out", own},
+                   {"offsets camera-far.endless --set camera.rays=dxr -o out", each},
+                   {"choose camera-far.endless --set camera.rays=dxr --bits 12 -o out", each},
+                   {"trade -i sphere.unified@ray-dxr -o out", own},
+                   {"explain camera-far.endless --ray 0,0,0,0,0,1 -i sphere.unified@ray-dxr", "no camera makes it"}});
 }
 
 }  // namespace test_cli_made_rays

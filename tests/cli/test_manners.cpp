@@ -9,7 +9,6 @@
 namespace test_manners {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -20,33 +19,23 @@ constexpr const char* fresh = "unset LOSTBITS_DATA;";
 
 TEST_CASE("an option takes one value, and the scene may stand behind it") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
-    for (const char* options : {"-i sphere.unified", "-i sphere.unified -f f32", "-f f32", "--set sphere[0].radius=0.5",
-                                "--metric lost_bits"}) {
-        INFO(options);
-        const auto r = run("map " + std::string(options) + " " + scene + " --size 8x8" + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == 0);
-    }
-    CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + into(scratch)).code == 0);
-    CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0 --steps 4" + into(scratch)).code == 0);
-    CHECK(run("report --claims 'rtg7.fig6.schoolbook-near-*' -i sphere.press -f f32 near-benign --size 8x8" +
-              into(scratch))
-              .code == 0);
-    const auto none = run("report --claims nothing near-benign" + into(scratch));
-    CHECK(none.code == 2);
-    CHECK(has(none.err, "no claim of the profile results has this id"));
+    scratch.write("mine.toml", good_scene);
+    for (const char* words :
+         {"map -i sphere.unified mine.toml --size 8x8", "map --set sphere[0].radius=0.5 mine.toml --size 8x8 -f f32",
+          "map --metric lost_bits mine.toml --size 8x8 -f f32",
+          "render --stage visible raycast-course.small --size 8x6",
+          "sweep -f f32 -i sphere.press sphere-tilt --seeds 0 --steps 4",
+          "report --claims 'rtg7.fig6.schoolbook-near-*' -i sphere.press -f f32 near-benign --size 8x8"})
+        must(std::string(words) + " -o out --force", scratch.path());
 }
 
 TEST_CASE("several values stand between commas, and options may be repeated") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
+    scratch.write("mine.toml", good_scene);
     const auto rows = [&](const std::string& options) {
-        const auto r = run("map " + scene + " --size 8x8 " + options + into(scratch));
-        INFO(options << r.err);
-        REQUIRE(r.code == 0);
+        must("map mine.toml --size 8x8 " + options + " -o out", scratch.path());
         std::string text;
-        for (const auto& row : read_csv(scratch.path() / "out/mine/summary.csv"))
+        for (const auto& row : read_csv(scratch / "out/mine/summary.csv"))
             text += row.at("form") + " " + row.at("format") + "\n";
         return text;
     };
@@ -54,84 +43,76 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     CHECK(both == "sphere.press f32\nsphere.press f64\nsphere.unified f32\nsphere.unified f64\n");
     CHECK(rows("-i sphere.press,sphere.unified -f f32,f64") == both);
     CHECK(rows("-i 'sphere.press, sphere.unified ' -f 'f32, f64'") == both);
-    CHECK(run("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + into(scratch)).code == 0);
+    must("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + into(scratch));
     // A comma inside brackets is the vector's own.
     const auto title = [&](const std::string& set) {
-        REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + into(scratch)).code == 0);
-        return contents(scratch.path() / "out/mine/datapackage.json");
+        must("map mine.toml --size 8x8 -i sphere.press -f f32 " + set + " -o out", scratch.path());
+        return contents(scratch / "out/mine/datapackage.json");
     };
     const std::string changed = title("--set 'sphere[0].centre=[0.1,0.2,0],sphere[0].radius=0.5'");
     CHECK(has(changed, "sphere[0].centre=[0.1,0.2,0], sphere[0].radius=0.5"));
-    CHECK(run("check --measure --filter 'float.*,box.no-such-*' -q").code == 0);
+    must("check --measure --filter 'float.*,box.no-such-*' -q");
 }
 
 TEST_CASE("what is not understood is said in a sentence, with what may have been meant") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
-    struct Case {
-        std::string words;
-        std::vector<std::string> says;
-    };
-    const Case cases[] = {
-        {"map " + scene + " -i unified -o out", {"-i unified: unknown form", "did you mean \"sphere.unified\"?"}},
-        {"map " + scene + " -i spher.unified -o out", {"did you mean \"sphere.unified\"?"}},
-        {"map " + scene + " -i sphere.press -o out --set 'sphere[0].centre=9,9,9'",
-         {"--set sphere[0].centre=9,9,9: what stands after the comma is not an assignment",
-          "write several numbers in brackets"}},
-        {"map " + scene + " --metrik lost_bits -o out", {"--metrik: is not an option", "did you mean --metric?"}},
-        {"map " + scene + " -metrix lost_bits -o out", {"-metrix: is not an option", "did you mean --metric?"}},
-        {"map " + scene + " --out", {"--out: its value is missing", "Folder for the results"}},
-        {"map " + scene, {"--out is missing", "Folder for the results"}},
-        {"map -o out", {"SCENE is missing", "Scene files"}},
-        {"map " + scene + " --pixels cvs -o out", {"--pixels cvs: is not one of none, csv", "did you mean csv?"}},
-        {"map " + scene + " -j 0 -o out", {"--threads 0: is not a number from 1 to 1024"}},
-        {"map " + scene + " --progress sometimes -o out", {"--progress sometimes: is not one of auto, bar, none"}},
-        {"map " + scene + " --size 4x4 --size 8x8 -o out", {"--size: is given 2 times, and takes one value"}},
-        {"trade -i sphere.press sphere.unified -o out", {"sphere.unified: `lostbits trade` takes no such word"}},
-        {"list scene", {"is not one of forms", "did you mean scenes?"}},
-        {"list form", {"did you mean forms?"}},
-        {"mapp", {"\"mapp\" is not a command", "did you mean \"map\"?"}},
-        {"completion foo", {"completion foo: is not one of bash, zsh, fish"}},
-        {"plugin foo", {"plugin foo: is not one of check, serve"}},
-        {"plugin check a b", {"b: `lostbits plugin check` takes no such word", "see `lostbits plugin check --help`"}},
-        {"map " + scene + " --ouput out", {"--ouput: is not an option of `lostbits map`; did you mean --out?"}},
-        {"explain near-benign --pixel 1,1 -i sphere.press --fpcor", {"did you mean --fpcore?"}},
-        {"map " + scene + " --metric ulps -o out", {"did you mean \"ulp_error\"?"}},
-        {"sweep sphere-dist -o out", {"did you mean \"sphere-distance\"?"}},
-        {"help map", {"help is not a command; write `lostbits map --help`"}},
-        {"help", {"write `lostbits --help`"}},
-        {"version", {"write `lostbits --version`"}},
-        {"map " + scene + " -f f32,,f64 -o out", {"-f f32,,f64: has nothing before, between or after its commas"}},
-        {"map " + scene + " -i sphere.press, -o out", {"-i sphere.press,: has nothing"}},
-        {"map " + scene + " --metric '' -o out", {"--metric: its value is empty"}},
-        {"map " + scene + " -f float -o out", {"-f float: unknown format; here it is \"f32\""}},
-        {"map " + scene + " -f f32,double -o out", {"-f double: unknown format; here it is \"f64\""}},
-        {"render raycast-course.small --stage visible,shadow -o out",
-         {"--stage shadow: is not one of", "mean shadows?"}},
-        {"explain near-benign --pixel 1,1 -i sphere.press,sphere.unified", {"names 2 forms", "name one"}},
-        {"explain near-benign --pixel 1,1 -i sphere.press -f f32,f64", {"names 2 formats", "name one"}},
-        {"map mine -o out", {"did you mean \"mine.toml\"?"}},
-        {"map mine.tom -o out", {"mine.tom", "did you mean \"mine.toml\"?"}},
-        {"map ./mine.tmol -o out", {"./mine.tmol", "did you mean \"./mine.toml\"?"}},
-        {"sweep min.toml -o out", {"min.toml", "did you mean \"mine.toml\"?"}},
-        {"", {"name a command: check"}},
-        {"plugin", {"name a command: check, serve"}},
-        {"judge '" + scratch.write("r.csv", "x\n") + "' --skip abc -o out", {"--skip abc: is not a whole number"}},
-        {"map " + scene + " --against unifid -o out", {"--against unifid: unknown form"}},
-        {"explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --as f99 -i sphere.press", {"--as f99: unknown format"}},
-        {"explain near-benign --pixel 1,1 -i sphere.press --json --c", {"only one of them can be given"}},
-    };
-    for (const Case& c : cases) {
-        const auto r = run(c.words, scratch.path());
-        INFO(c.words << "\n" << r.err);
-        CHECK(r.code == 2);
-        CHECK(r.out.empty());
-        for (const std::string& words : c.says) CHECK(has(r.err, words));
+    scratch.write("mine.toml", good_scene);
+    scratch.write("r.csv", "x\n");
+    const std::string one = "explain near-benign --pixel 1,1 -i sphere.press";
+    const std::vector<Refused> rows{
+        {"map mine.toml -i unified -o out", "-i unified: unknown form; did you mean \"sphere.unified\"?"},
+        {"map mine.toml -i sphere.press -o out --set 'sphere[0].centre=9,9,9'",
+         "--set sphere[0].centre=9,9,9: what stands after the comma is not an assignment; write several numbers in "
+         "brackets"},
+        {"map mine.toml --metrik lost_bits -o out",
+         "--metrik: is not an option of `lostbits map`; did you mean --metric?"},
+        {"map mine.toml -metrix lost_bits -o out",
+         "-metrix: is not an option of `lostbits map`; did you mean --metric?"},
+        {"map mine.toml --out", "--out: its value is missing: Folder for the results"},
+        {"map mine.toml", "--out is missing: Folder for the results"},
+        {"map -o out", "SCENE is missing: Scene files"},
+        {"map mine.toml --pixels cvs -o out", "--pixels cvs: is not one of none, csv; did you mean csv?"},
+        {"map mine.toml -j 0 -o out", "--threads 0: is not a number from 1 to 1024"},
+        {"map mine.toml --progress sometimes -o out", "--progress sometimes: is not one of auto, bar, none"},
+        {"map mine.toml --size 4x4 --size 8x8 -o out", "--size: is given 2 times, and takes one value"},
+        {"trade -i sphere.press sphere.unified -o out", "sphere.unified: `lostbits trade` takes no such word"},
+        {"list scene", "is not one of forms"},
+        {"list scene", "did you mean scenes?"},
+        {"mapp", "\"mapp\" is not a command; did you mean \"map\"?"},
+        {"completion foo", "completion foo: is not one of bash, zsh, fish"},
+        {"plugin foo", "plugin foo: is not one of check, serve"},
+        {"plugin check a b", "b: `lostbits plugin check` takes no such word"},
+        {"plugin check a b", "see `lostbits plugin check --help`"},
+        {one + " --fpcor", "did you mean --fpcore?"},
+        {"map mine.toml --metric ulps -o out", "did you mean \"ulp_error\"?"},
+        {"help map", "help is not a command; write `lostbits map --help`"},
+        {"help", "write `lostbits --help`"},
+        {"version", "write `lostbits --version`"},
+        {"map mine.toml -f f32,,f64 -o out", "-f f32,,f64: has nothing before, between or after its commas"},
+        {"map mine.toml -i sphere.press, -o out", "-i sphere.press,: has nothing"},
+        {"map mine.toml --metric '' -o out", "--metric: its value is empty"},
+        {"map mine.toml -f float -o out", "-f float: unknown format; here it is \"f32\""},
+        {"map mine.toml -f f32,double -o out", "-f double: unknown format; here it is \"f64\""},
+        {"render raycast-course.small --stage visible,shadow -o out", "--stage shadow: is not one of visible"},
+        {one + ",sphere.unified", "names 2 forms, and explain looks at one ray in one form; name one"},
+        {one + " -f f32,f64", "names 2 formats, and explain looks at one ray in one format; name one"},
+        {"map mine -o out", "did you mean \"mine.toml\"?"},
+        {"map ./mine.tmol -o out", "did you mean \"./mine.toml\"?"},
+        {"sweep min.toml -o out", "did you mean \"mine.toml\"?"},
+        {"", "name a command: check"},
+        {"plugin", "name a command: check, serve"},
+        {"judge r.csv --skip abc -o out", "--skip abc: is not a whole number"},
+        {"map mine.toml --against unifid -o out", "--against unifid: unknown form"},
+        {one + " --json --c", "only one of them can be given"},
+        {"judge '" LOSTBITS_DATA_DIR "/dumps/far-sphere.csv' --format f32 --sphere 0,0,0,1 --pictures all -o out",
+         "--pictures all: rays in a list are no picture"}};
+    check_refused(scratch, "", rows);
+    for (const Refused& row : rows) {
+        const std::string said = run(row.words, scratch.path()).err;
         for (const char* raw :
              {"were not expected", "was not expected", " is required", "not in {", "TEXT", "Could not"})
-            CHECK_FALSE(has(r.err, raw));
+            CHECK_FALSE(has(said, raw));
     }
-    CHECK_FALSE(fs::exists(scratch.path() / "out"));
 }
 
 TEST_CASE("forms have one word, and the older one works") {
@@ -173,81 +154,33 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
     }
     for (const char* what : {"scenes", "sweeps", "claims"}) {
         const auto r = run("list " + std::string(what) + " --data /nowhere");
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, "/nowhere/" + std::string(what) + ": is not a folder of " + what));
         CHECK(has(r.err, "LOSTBITS_DATA"));
     }
 }
 
-TEST_CASE("built-in names work from any folder") {
-    const Scratch scratch;
-    const auto r = run("map near-benign -i sphere.press -f f32 --size 8x8 -o out", scratch.path(), fresh);
-    INFO(r.err);
-    CHECK(r.code == 0);
-    CHECK(fs::exists(scratch.path() / "out/near-benign/contact.png"));
-    CHECK(run("list sweeps", scratch.path(), fresh).out == run("list sweeps").out);
-}
-
 TEST_CASE("a sweep and a claim find a scene beside themselves") {
     const Scratch scratch;
-    fs::create_directories(scratch.path() / "own");
-    static_cast<void>(scratch.write("own/ball.toml", good_scene));
-    static_cast<void>(scratch.write("own/grow.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-note = "-"
-scene = "ball.toml"
-[[axis]]
-name = "radius"
-spacing = "linear"
-from = 0.5
-to = 1
-steps = 2
-set = ["sphere[0].radius"]
-)"));
-    static_cast<void>(scratch.write("own/claims.toml", R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "own.ball"
-statement = "A ball beside its claim is hit."
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "ball.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 0]
-)"));
-    for (const auto& folder : {scratch.path(), scratch.path() / "own"}) {
-        const std::string own = folder == scratch.path() ? "own/" : "";
-        const auto swept = run("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
-        INFO(swept.err);
-        CHECK(swept.code == 0);
-        const auto checked = run("check " + own + "claims.toml", folder);
-        INFO(checked.err << checked.out);
-        CHECK(checked.code == 0);
+    scratch.write("own/ball.toml", good_scene);
+    scratch.write(
+        "own/grow.toml",
+        "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = \"ball.toml\"\n[[axis]]\n"
+        "name = \"radius\"\nspacing = \"linear\"\nfrom = 0.5\nto = 1\nsteps = 2\nset = [\"sphere[0].radius\"]\n");
+    scratch.write("own/claims.toml", claims_of({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
+                                                 metric_in("false_miss_fraction", "[0, 0]")}}));
+    for (const std::string own : {"own/", ""}) {
+        const auto folder = scratch.path() / (own.empty() ? "own" : "");
+        must("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
+        must("check " + own + "claims.toml", folder);
     }
 }
 
-TEST_CASE("an option that would do nothing is refused, or it is said") {
-    const auto sized = run("explain near-benign --ray 0,0,5,0,0,-1 --size 10x10 -i sphere.press");
-    CHECK(sized.code == 2);
-    CHECK(has(sized.err, "--size needs --pixel"));
-    const auto listed = run("judge '" LOSTBITS_DATA_DIR
-                            "/dumps/far-sphere.csv' --format f32 --sphere 0,0,0,1 --pictures all -o nowhere");
-    CHECK(listed.code == 2);
-    CHECK(has(listed.err, "--pictures all: rays in a list are no picture"));
-    const auto marched = run("explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --set march.hit_eps=1e-3 -i sphere.press");
-    CHECK(marched.code == 2);
-    CHECK(has(marched.err, "sphere.press does not march"));
+TEST_CASE("an option that would do nothing is said, where it is not refused") {
     const Scratch scratch;
-    const std::string march = good_scene + "\n[march]\nhit_eps = 1e-4\n";
-    const auto mapped = run("map '" + scratch.write("m.toml", march) +
-                            "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + into(scratch));
-    INFO(mapped.err);
-    CHECK(mapped.code == 0);
+    scratch.write("m.toml", good_scene + "\n[march]\nhit_eps = 1e-4\n");
+    const auto mapped =
+        must("map m.toml --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8 -o out", scratch.path());
     CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
 }
 
@@ -255,8 +188,7 @@ TEST_CASE("a camera that sees nothing says so") {
     const Scratch scratch;
     const std::string away =
         "'" + scratch.write("away.toml", spoilt("look_at = [0, 0, 0]", "look_at = [0, 0, 90]")) + "'";
-    const auto r = run("map " + away + " -i sphere.press -f f32" + into(scratch));
-    CHECK(r.code == 0);
+    const auto r = must("map " + away + " -i sphere.press -f f32" + into(scratch));
     CHECK(has(r.err, "scene away: no ray of its camera meets a solid"));
     const std::string there = "'" + scratch.write("there.toml", good_scene) + "'";
     CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + into(scratch)).err, "meets a solid"));
@@ -264,13 +196,11 @@ TEST_CASE("a camera that sees nothing says so") {
 
 TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("a.toml", good_scene));
-    static_cast<void>(scratch.write("b.toml", good_scene));
-    const auto r = run("map a.toml b.toml -i sphere.press -f f32 --progress bar -o out 2>&1", scratch.path());
-    CHECK(r.code == 0);
+    scratch.write("a.toml", good_scene);
+    scratch.write("b.toml", good_scene);
+    const auto r = must("map a.toml b.toml -i sphere.press -f f32 --progress bar -o out 2>&1", scratch.path());
     std::size_t paths = 0;
     for (auto at = r.out.find("out/"); at != std::string::npos; at = r.out.find("out/", at + 1), ++paths) {
-        INFO(r.out);
         REQUIRE(at > 0);
         // A line begins at a line break, or where the bar was wiped out: blanks, then back to the first column.
         CHECK((r.out[at - 1] == '\n' || r.out[at - 1] == '\r'));

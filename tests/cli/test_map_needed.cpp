@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/image/image.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_map_needed {
@@ -20,35 +20,7 @@ using namespace lostbits::output::map;
 
 namespace {
 
-lostbits::output::image::ImageBackend& backend() {
-    draw_pictures();
-    return image_backend();
-}
-
-template <class Sample>
-const std::vector<Sample>& samples(const ExrImage& exr, const char* name) {
-    const auto* channel = exr.find(name);
-    REQUIRE(channel != nullptr);
-    return std::get<std::vector<Sample>>(channel->samples);
-}
-
-std::string attribute(const lostbits::output::image::ExrImage& exr, const std::string& name) {
-    for (const auto& [key, value] : exr.attributes) {
-        if (key == name) return value;
-    }
-    return {};
-}
-
-ExrImage read_part(const std::filesystem::path& path, const std::string& name) {
-    const auto names = backend().exr_parts(path);
-    return backend().read_exr(path, static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
-}
-
-std::size_t count_of(const lostbits::output::image::PngImage& png, lostbits::output::image::Rgb8 colour) {
-    return static_cast<std::size_t>(std::ranges::count(png.pixels, colour));
-}
-
-lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
+Rgb8 preview(const ExrImage& exr, std::size_t i) {
     const auto byte = [&](const char* c) {
         return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F)));
     };
@@ -60,14 +32,12 @@ lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
 TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story") {
     draw_pictures();
     const Scratch scratch;
-    const auto r =
-        run("map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed "
-            "45 --pixels csv --exr -v -o '" +
-            scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
-    CHECK(r.out.find((folder / "needed.csv").string()) != std::string::npos);
+    const auto r = must(
+        "map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed "
+        "45 --pixels csv --exr -v" +
+        into(scratch, ""));
+    const auto folder = scratch / "rtg-fig-7-3-2000-oblique";
+    CHECK(has(r.out, (folder / "needed.csv").string()));
     const auto table = read_csv(folder / "needed.csv");
     REQUIRE(table.size() == 2);
     double beyond_in_all = 0;
@@ -76,8 +46,8 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         INFO(stem);
         const auto pixels = read_csv(folder / (stem + ".csv"));
         const ExrImage exr = read_part(folder / "rtg-fig-7-3-2000-oblique.exr", stem);
-        const lostbits::output::image::PngImage png = backend().read_png(folder / (stem + ".png"));
-        const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
+        const PngImage png = backend().read_png(folder / (stem + ".png"));
+        const ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
         REQUIRE(pixels.size() == 48 * 40);
         std::vector<double> all, hits;
         double hits_beyond = 0, misses_beyond = 0;
@@ -87,7 +57,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
             CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
             CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
             CHECK((samples<std::uint32_t>(exr, "class.truth_object")[i] == 1) == hit);
-            CHECK(preview(exr, i) == (std::isinf(needed) ? lostbits::output::map::beyond_colour : scale.map(needed)));
+            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.map(needed)));
             if (std::isinf(needed)) {
                 CHECK(pixels[i].at("needed") == "inf");
                 ++(hit ? hits_beyond : misses_beyond);
@@ -98,8 +68,8 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         }
         beyond_in_all += hits_beyond;
         // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
-        CHECK((count_of(png, lostbits::output::map::beyond_colour) >
-               64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
+        CHECK((count_of(png, beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) ==
+              (hits_beyond + misses_beyond > 0));
         CHECK(number_in(row.at("bits_asked")) == 45);
         CHECK(number_in(row.at("pixels")) == 48 * 40);
         CHECK(number_in(row.at("hits_beyond_53")) == hits_beyond);
@@ -143,8 +113,8 @@ TEST_CASE("bits needed: the map beside them is as without") {
     // More pixels than a band has, so that rows come in two instalments.
     const std::string what = "map near-benign --size 150x230 -i sphere.schoolbook -f f32 --pixels csv --pictures all";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
-    REQUIRE(run(what + " --bits-needed 12 --exr" + out("one")).code == 0);
-    REQUIRE(run(what + out("plain")).code == 0);
+    must(what + " --bits-needed 12 --exr" + out("one"));
+    must(what + out("plain"));
     std::size_t needed = 0, others = 0;
     for (const auto& name : scratch.files()) {
         if (name.rfind("one/", 0) != 0) continue;
@@ -153,13 +123,12 @@ TEST_CASE("bits needed: the map beside them is as without") {
         CHECK_FALSE(bytes.empty());
         if (rest.ends_with(".exr")) continue;
         if (rest.find("needed") != std::string::npos) {
-            CHECK_FALSE(std::filesystem::exists(scratch.path() / "plain" / rest));
+            CHECK_FALSE(fs::exists(scratch / "plain" / rest));
             ++needed;
         } else if (!rest.ends_with(".json")) {
             // A picture says which command made it, and the commands differ.
-            if (rest.ends_with(".png"))
-                CHECK(run("diff 'one/" + rest + "' 'plain/" + rest + "'", scratch.path()).code == 0);
-            else CHECK(bytes == contents(scratch.path() / "plain" / rest));
+            if (rest.ends_with(".png")) must("diff 'one/" + rest + "' 'plain/" + rest + "'", scratch.path());
+            else CHECK(bytes == contents(scratch / "plain" / rest));
             ++others;
         }
     }
@@ -171,39 +140,28 @@ TEST_CASE("bits needed: forms of one format are left out with a note") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
     const std::string out = " --bits-needed 12 --exr" + into(scratch);
-    const auto both = run("map " + scene + " -i sphere.double_inside -i sphere.unified" + out);
-    CHECK(both.code == 0);
-    CHECK(both.err.find("sphere.double_inside") != std::string::npos);
-    CHECK(both.err.find("sphere.unified") == std::string::npos);
-    const auto parts = backend().exr_parts(scratch.path() / "out/scene/scene.exr");
+    const auto both = must("map " + scene + " -i sphere.double_inside -i sphere.unified" + out);
+    CHECK(has(both.err, "sphere.double_inside"));
+    CHECK_FALSE(has(both.err, "sphere.unified"));
+    const auto parts = backend().exr_parts(scratch / "out/scene/scene.exr");
     CHECK(std::ranges::count(parts, "sphere.unified.needed") == 1);
     CHECK(std::ranges::count(parts, "sphere.double_inside.needed") == 0);
     CHECK(std::ranges::count(parts, "sphere.double_inside.f32") == 1);
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out/scene/sphere.double_inside.needed.png"));
+    CHECK_FALSE(fs::exists(scratch / "out/scene/sphere.double_inside.needed.png"));
     CHECK(run("map " + scene + " -q -i sphere.double_inside -i sphere.unified" + out).err.empty());
-    std::filesystem::remove_all(scratch.path() / "out");
-    const auto alone = run("map " + scene + " -i sphere.double_inside" + out);
-    CHECK(alone.code == 4);
-    CHECK(alone.err.find("--bits-needed") != std::string::npos);
-    CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
 }
 
 TEST_CASE("bits needed and the envelope refuse what makes no sense, and write nothing") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const std::string out = " -i sphere.unified -f f32" + into(scratch);
-    for (const char* option : {"--bits-needed 0", "--bits-needed 53", "--bits-needed=-1", "--bits-needed 12.5",
-                               "--bits-needed all", "--envelope --metric residual"}) {
-        INFO(option);
-        const auto r = run("map " + scene + " " + option + out);
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(r.out.empty());
-        CHECK(r.err.find(std::string(option).substr(0, 10)) != std::string::npos);
-        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
-    }
-    CHECK(run("map " + scene + " --bits-needed 1" + out).code == 0);
-    CHECK(run("map " + scene + " --bits-needed 52" + out).code == 0);
+    scratch.write("scene.toml", good_scene);
+    check_refused(scratch, "map scene.toml -f f32 -o out",
+                  {{"--bits-needed 0", "--bits-needed"},
+                   {"--bits-needed 53", "--bits-needed"},
+                   {"--bits-needed 12.5", "--bits-needed"},
+                   {"--envelope --metric residual", "--envelope marks"},
+                   {"--bits-needed 12 -i sphere.double_inside", "--bits-needed", 4}});
+    for (const char* bits : {"1", "52"})
+        must(std::string("map scene.toml -i sphere.unified -f f32 -o out --bits-needed ") + bits, scratch.path());
 }
 
 TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
@@ -213,24 +171,23 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
         "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits --exr "
         "--pictures all -o "
         "'";
-    REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
-    REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);
+    must(what + (scratch / "with").string() + "' --envelope");
+    must(what + (scratch / "without").string() + "'");
     // Half of the bits of a format, by its square root.
-    const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24,
-                                                     lostbits::output::image::Spacing::root);
-    const lostbits::output::image::Rgb8 swatch = paler(scale.map(12));
+    const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24, Spacing::root);
+    const Rgb8 swatch = paler(scale.map(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
         const std::string part = std::string("sphere.schoolbook.") + format;
-        const ExrImage with = read_part(scratch.path() / "with/grazing/grazing.exr", part),
-                       without = read_part(scratch.path() / "without/grazing/grazing.exr", part);
+        const ExrImage with = read_part(scratch / "with/grazing/grazing.exr", part),
+                       without = read_part(scratch / "without/grazing/grazing.exr", part);
         std::size_t inside = 0, lossy_outside = 0;
         for (std::size_t i = 0; i < 96 * 96; ++i) {
             const float lost = samples<float>(with, "bits.lost")[i],
                         excess = samples<float>(with, "condition.excess")[i];
             const bool in = lost >= 1 && excess < 1;
-            CHECK(preview(with, i) == (in ? lostbits::output::map::paler(preview(without, i)) : preview(without, i)));
+            CHECK(preview(with, i) == (in ? paler(preview(without, i)) : preview(without, i)));
             inside += in;
             lossy_outside += lost >= 1 && !in;
         }
@@ -244,9 +201,8 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
         CHECK(count_of(picture("without", "lost_bits"), swatch) == 0);
         CHECK(picture("with", "excess_bits").pixels == picture("without", "excess_bits").pixels);
     }
-    CHECK(count_of(backend().read_png(scratch.path() / "with/grazing/contact.png"), swatch) >= 100);
-    CHECK(contents(scratch.path() / "with/grazing/summary.csv") ==
-          contents(scratch.path() / "without/grazing/summary.csv"));
+    CHECK(count_of(backend().read_png(scratch / "with/grazing/contact.png"), swatch) >= 100);
+    CHECK(contents(scratch / "with/grazing/summary.csv") == contents(scratch / "without/grazing/summary.csv"));
 }
 
 TEST_CASE("a long map with --bits-needed says how long it will take") {
@@ -258,7 +214,7 @@ TEST_CASE("a long map with --bits-needed says how long it will take") {
             "kill -0 $child || break; sleep 0.2; done; kill -TERM $child; wait $child; exit $?",
             scratch.path(), "set -m; ");
     CHECK(r.code == 130);
-    CHECK(has(contents(scratch.path() / "said"), "lostbits: grazing --bits-needed will take about "));
+    CHECK(has(contents(scratch / "said"), "lostbits: grazing --bits-needed will take about "));
 }
 
 }  // namespace test_map_needed

@@ -8,8 +8,7 @@ namespace test_march {
 using namespace lostbits::test;
 
 TEST_CASE("explain prints a march sample by sample") {
-    const auto r = run("explain sdf-by-hand.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
-    REQUIRE(r.code == 0);
+    const auto r = must("explain sdf-by-hand.off-axis --pixel 0,0 -i sdf.sphere_trace -f f64");
     CHECK(has(r.out, "1.0293462564704334"));  // |p| of the second sample, where the seed has 1.030
     CHECK(has(r.out, "step by 0.001297"));
     CHECK(has(r.out, "of 53 bits lost"));
@@ -23,8 +22,7 @@ TEST_CASE("explain prints a march sample by sample") {
     CHECK_FALSE(has(r.out, "\n* "));
     CHECK_FALSE(has(r.out, "the formula loses"));
     const auto same =
-        run("explain sdf-by-hand.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
-    CHECK(same.code == 0);
+        must("explain sdf-by-hand.off-axis --ray 0,0,3,0x1.978fd4p-4,0,-0x1.fd73cap-1 -i sdf.sphere_trace");
     CHECK(has(same.out, "1.02934623"));
     CHECK(has(run("explain sdf-by-hand.miss --pixel 0,0 -i sdf.sphere_trace").out, "miss: t > 20"));
     CHECK(
@@ -32,44 +30,29 @@ TEST_CASE("explain prints a march sample by sample") {
             "no step: t + d = t"));
 }
 
-TEST_CASE("explain says what is wrong with its arguments") {
-    const std::string scene = "explain sdf-by-hand.on-axis ";
-    const auto refused = [](const std::string& arguments, const std::string& words) {
-        const auto r = run(arguments);
-        INFO(arguments << ": " << r.err);
-        CHECK(r.code == 2);
-        CHECK(r.out.empty());
-        CHECK(has(r.err, words));
-    };
-    refused(scene + "-i sdf.sphere_trace", "--pixel X,Y");
-    refused(scene + "--pixel 1,0 -i sdf.sphere_trace", "columns 0 to 0");
-    refused(scene + "--pixel 0.5,0 -i sdf.sphere_trace", "not a pixel");
-    refused(scene + "--pixel a,0 -i sdf.sphere_trace", "is not a number");
-    refused(scene + "--ray 0,0,3,0,0 -i sdf.sphere_trace", "six numbers");
-    refused(scene + "--ray 0,0,3,0,0,0 -i sdf.sphere_trace", "direction not zero");
-    refused(scene + "--pixel 0,0 -i sdf.sphere_trce", "sdf.sphere_trace");
-    refused(scene + "--pixel 0,0 -i sdf.sphere_trace -f f33", "f32");
-    refused("explain sdf-by-hand --pixel 0,0 -i sdf.sphere_trace", "name one");
-    refused("explain grazing --pixel 0,0 -i sdf.sphere_trace", "no [march] table");
+TEST_CASE("marches are asked of forms that march, and of scenes that have one") {
+    check_refused(Scratch(), "",
+                  {{"explain sdf-by-hand --pixel 0,0 -i sdf.sphere_trace", "name one"},
+                   {"explain grazing --pixel 0,0 -i sdf.sphere_trace", "no [march] table"},
+                   {"map grazing -i sphere.press -f f32 --metric iterations -o out", "--metric iterations"},
+                   {"map grazing -i 'sdf.*' -o out", "no selected form handles grazing", 4},
+                   {"map sdf-union -i 'sphere.*' -o out", "no selected form is for boxes", 4}});
 }
 
 TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
     const Scratch scratch;
     const std::string out = scratch.path().string();
-    const auto r =
-        run("map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop "
-            "--metric model_error --metric rounding_error "
-            "--pixels csv --pictures all -o '" +
-            out + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must(
+        "map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop "
+        "--metric model_error --metric rounding_error "
+        "--pixels csv --pictures all -o '" +
+        out + "'");
     for (const char* file : {"contact.png", "contact.stop.png", "contact.model_error.png",
                              "sdf.sphere_trace.f32.stop.png", "sdf.sphere_trace.f64.iterations.png"}) {
-        CHECK(std::filesystem::exists(scratch.path() / "sdf-union" / file));
+        CHECK(fs::exists(scratch / "sdf-union" / file));
     }
-    CHECK_FALSE(std::filesystem::exists(scratch.path() /
-                                        "sdf-union/contact.rounding_error.png"));  // on the sheet of model_error
-    const auto summary = read_csv(scratch.path() / "sdf-union/summary.csv");
+    CHECK_FALSE(fs::exists(scratch / "sdf-union/contact.rounding_error.png"));  // on the sheet of model_error
+    const auto summary = read_csv(scratch / "sdf-union/summary.csv");
     REQUIRE(summary.size() == 4);
     for (const auto& row : summary) {
         CHECK(std::stoi(row.at("stop_hit")) + std::stoi(row.at("stop_max_dist")) + std::stoi(row.at("stop_max_steps")) +
@@ -80,22 +63,12 @@ TEST_CASE("maps of marches: iterations, why they ended, model and rounding error
         CHECK(row.count("worst_radius_hex") == 1);
         CHECK(row.count("worst_hi_z_hex") == 1);
     }
-    const auto pixels = read_csv(scratch.path() / "sdf-union/sdf.sphere_trace.f32.csv");
+    const auto pixels = read_csv(scratch / "sdf-union/sdf.sphere_trace.f32.csv");
     REQUIRE(pixels.size() == 32 * 24);
     for (const auto& p : pixels) {
         CHECK((p.at("stop") == "hit") == (p.at("outcome") == "agree_hit" || p.at("outcome") == "false_hit"));
         CHECK(std::stoi(p.at("iterations")) >= 1);
     }
-}
-
-TEST_CASE("metrics of marches are asked of forms that march") {
-    const Scratch scratch;
-    const auto r = run("map grazing -i sphere.press -f f32 --metric iterations -o '" + scratch.path().string() + "'");
-    CHECK(r.code == 2);
-    CHECK(has(r.err, "--metric iterations"));
-    CHECK(scratch.files().empty());
-    CHECK(run("map grazing -i 'sdf.*' -o '" + scratch.path().string() + "'").code == 4);
-    CHECK(run("map sdf-union -i 'sphere.*' -o '" + scratch.path().string() + "'").code == 4);
 }
 
 TEST_CASE("explain and map say stagnated where the step after the last sample leads nowhere") {
@@ -121,9 +94,7 @@ max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius
     CHECK(has(table(3), "  no step: t + d = t\n"));
     for (const int cap : {1, 2, 3}) {
         const std::string out = (scratch.path() / std::to_string(cap)).string();
-        REQUIRE(
-            run("map " + scene(cap) + " -i sdf.sphere_trace -i sdf.accumulated -f f32 --metric stop -o '" + out + "'")
-                .code == 0);
+        must("map " + scene(cap) + " -i sdf.sphere_trace -i sdf.accumulated -f f32 --metric stop -o '" + out + "'");
         const auto rows = read_csv(scratch.path() / std::to_string(cap) / "far/summary.csv");
         REQUIRE(rows.size() == 2);
         CHECK(rows[0].at("stop_stagnated") == (cap == 1 ? "0" : "1"));
@@ -135,9 +106,9 @@ max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius
 TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error") {
     const Scratch scratch;
     const std::string sweep = scratch.write("s.toml", march_sweep);
-    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -o one", scratch.path()).code == 0);
+    must("sweep '" + sweep + "' -i 'sdf.*' -f f32 -o one", scratch.path());
     bool found = false;
-    for (const auto& row : read_csv(scratch.path() / "one/s/onsets.csv")) {
+    for (const auto& row : read_csv(scratch / "one/s/onsets.csv")) {
         if (row.at("form") != "sdf.sphere_trace" || row.at("event") != "stagnated") continue;
         if (row.at("read_from") != "first") continue;
         found = true;
@@ -148,8 +119,8 @@ TEST_CASE("a sweep over the constants of a march: onsets of standing still, the 
     }
     CHECK(found);
     for (const char* file : {"unfinished.f32.png", "iterations.f32.png", "split.sdf.sphere_trace.f32.png"})
-        CHECK(std::filesystem::exists(scratch.path() / "one/s" / file));
-    for (const auto& row : read_csv(scratch.path() / "one/s/samples.csv")) CHECK(row.count("model_error_p50") == 1);
+        CHECK(fs::exists(scratch / "one/s" / file));
+    for (const auto& row : read_csv(scratch / "one/s/samples.csv")) CHECK(row.count("model_error_p50") == 1);
 }
 
 }  // namespace test_march

@@ -18,15 +18,13 @@ const std::string far_rays =
 
 TEST_CASE("mend takes files of rays, and says what is kept on all of them", "[mend]") {
     const Scratch scratch;
-    const auto r = run("mend " + far_rays + " -o out --emit far.hpp", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("mend " + far_rays + " -o out --emit far.hpp", scratch.path());
     CHECK(has(r.out, "far-sphere: 16 correct bits of every hit, no wrong decision"));
     CHECK(has(r.out, "185 of 1536 rays decided wrongly"));
     CHECK(has(r.out, "On all 1536 rays of the file: "));
     CHECK_FALSE(has(r.out, "other pixels"));
-    CHECK(has(contents(scratch.path() / "far.hpp"), "on every ray kept of far-sphere"));
-    const auto rows = read_csv(scratch.path() / "out" / "far-sphere" / "mend.csv");
+    CHECK(has(contents(scratch / "far.hpp"), "on every ray kept of far-sphere"));
+    const auto rows = read_csv(scratch / "out" / "far-sphere" / "mend.csv");
     REQUIRE(rows.size() > 10);
     CHECK(rows.front().at("wrong") == "185");
     CHECK(rows.front().at("apart_wrong") == "185");
@@ -52,10 +50,8 @@ TEST_CASE("mend tells options of files from those of scenes", "[mend]") {
 
 TEST_CASE("the page of a mended form has its sentences, its changed lines and the CSV's numbers", "[mend]") {
     const Scratch scratch;
-    const auto r = run("mend box-slabs --size 10x10 -i box.baseline --bits 20 -o out", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto folder = scratch.path() / "out" / "box-slabs";
+    const auto r = must("mend box-slabs --size 10x10 -i box.baseline --bits 20 -o out", scratch.path());
+    const auto folder = scratch / "out" / "box-slabs";
     CHECK(has(r.out, "out/box-slabs/index.html\n"));
     const std::string page = contents(folder / "index.html");
     const auto at = page.find("<section id=\"mend\">");
@@ -96,10 +92,8 @@ TEST_CASE("the page of a mended form has its sentences, its changed lines and th
 TEST_CASE("a mended form is written as a function of GLSL with the names of the source", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16";
-    const auto r = run(words + " --emit halved.glsl", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const std::string text = contents(scratch.path() / "halved.glsl");
+    must(words + " --emit halved.glsl", scratch.path());
+    const std::string text = contents(scratch / "halved.glsl");
     CHECK(has(text, "bool halved(vec3 o, vec3 d, vec3 centre, float radius, out float first) {"));
     CHECK(has(text, "// lostbits: direction=any touching=hit at_origin=hit inside=usual roots=first"));
     CHECK(has(text, "precise float o_minus_centre_x = o.x - centre.x;"));
@@ -111,16 +105,14 @@ TEST_CASE("a mended form is written as a function of GLSL with the names of the 
         run("mend near-benign --size 8x8 -i sphere.half_b -f f64 --bits 48 --emit wide.glsl", scratch.path());
     CHECK(wide.code == 2);
     CHECK(has(wide.err, "a shader computes in floats"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "wide.glsl"));
+    CHECK_FALSE(fs::exists(scratch / "wide.glsl"));
 }
 
 TEST_CASE("under a matrix a mended form is a function that takes the matrix, and has a price", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend instance-far.sphere --size 24x24 -i sphere.unified@plain --bits 18 ";
-    const auto r = run(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());
-    INFO(r.err << r.out);
-    REQUIRE(r.code == 0);
-    const std::string text = contents(scratch.path() / "placed.hpp");
+    const auto r = must(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());
+    const std::string text = contents(scratch / "placed.hpp");
     CHECK(has(text, "const Sphere<T>& sphere, const std::array<T, 12>& matrix) {"));
     CHECK(has(text, "// The matrix leads from the solid to the world, row by row.\n"));
     CHECK(has(text, "M03"));
@@ -131,7 +123,7 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     if (!is_long()) return;  // compiling takes half a minute
     CHECK(has(r.out, "Compiled, compared with their tapes to the bit on all rays"));
     int mended = 0, beside = 0;
-    for (const auto& row : read_csv(scratch.path() / "out" / "instance-far.sphere" / "mend.csv")) {
+    for (const auto& row : read_csv(scratch / "out" / "instance-far.sphere" / "mend.csv")) {
         INFO(row.at("kind") << " " << row.at("form"));
         if (row.at("kind") == "all_wider") continue;
         CHECK_FALSE(row.at("time_ns").empty());
@@ -146,16 +138,15 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
     if (!is_long()) return;  // compiling takes half a minute
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique";
-    const auto r = run("choose " + scene +
-                           " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker -f f32 --bits 16 --at max --mend "
-                           "-o out",
-                       scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r =
+        must("choose " + scene +
+                 " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker -f f32 --bits 16 --at max --mend "
+                 "-o out",
+             scratch.path());
     CHECK(has(r.out, "mended.sphere_half_b_1 is sphere.half_b, "));
     CHECK(has(r.out, "On rays on which nothing was searched: "));
     int mended = 0;
-    for (const auto& row : read_csv(scratch.path() / "out" / scene / "choose.csv")) {
+    for (const auto& row : read_csv(scratch / "out" / scene / "choose.csv")) {
         const std::string form = row.at("form");
         INFO(form);
         CHECK(row.at("mended").empty() == !form.starts_with("mended."));
@@ -163,7 +154,7 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
         ++mended;
         CHECK(row.at("meets") == "1");
         CHECK_FALSE(row.at("time_ns").empty());
-        const auto file = scratch.path() / "out" / scene / (form.substr(form.find('.') + 1) + ".hpp");
+        const auto file = scratch / "out" / scene / (form.substr(form.find('.') + 1) + ".hpp");
         CHECK(has(contents(file), "// sphere.half_b, "));
     }
     CHECK(mended > 1);
@@ -173,14 +164,12 @@ TEST_CASE("with prices the page has the times of the CSV", "[mend]") {
     if (!is_long()) return;  // compiling takes half a minute
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique";
-    const auto r = run("mend " + scene + " --size 48x48 -i sphere.half_b --bits 16 --price -o out", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const std::string page = contents(scratch.path() / "out" / scene / "index.html");
+    must("mend " + scene + " --size 48x48 -i sphere.half_b --bits 16 --price -o out", scratch.path());
+    const std::string page = contents(scratch / "out" / scene / "index.html");
     CHECK(has(page, "Another run measures other times"));
     CHECK(has(page, " ns a ray</li>"));
     int timed = 0;
-    for (const auto& row : read_csv(scratch.path() / "out" / scene / "mend.csv")) {
+    for (const auto& row : read_csv(scratch / "out" / scene / "mend.csv")) {
         if (row.at("time_ns").empty() || (row.at("kind") == "catalogue" && row.at("front") == "0")) continue;
         INFO(row.at("form"));
         CHECK(has(page, "<data value=\"" + row.at("time_ns") + "\">"));
@@ -197,7 +186,7 @@ TEST_CASE("choose says why mended forms cannot be compiled", "[mend]") {
     const auto none = run(words + " --compiler no-such-compiler", scratch.path());
     CHECK(none.code == 3);
     CHECK(has(none.err, "no-such-compiler"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out" / "rtg-fig-7-3-4100-oblique" / "choose.csv"));
+    CHECK_FALSE(fs::exists(scratch / "out" / "rtg-fig-7-3-4100-oblique" / "choose.csv"));
 }
 
 }  // namespace test_mend

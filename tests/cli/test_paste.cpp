@@ -1,95 +1,59 @@
 // Every file that names a ray names it by a command; the command, run, gives the numbers of its row again.
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <cstdlib>
 #include <tuple>
 
 #include "catch.hpp"
-#include "output/file/read_csv.hpp"
+#include "explained.hpp"
 #include "program.hpp"
 
 namespace test_paste {
 
-using lostbits::output::file::CsvTable;
-using lostbits::output::file::read_csv;
-using lostbits::test::contents;
-using lostbits::test::run;
-using lostbits::test::Scratch;
+using namespace lostbits::test;
 
 namespace {
 
 using Json = nlohmann::json;
-
-const std::string cell(const CsvTable& table, const std::string& column, std::size_t row) {
-    const auto* const found = table.find(column);
-    INFO(column);
-    REQUIRE(found != nullptr);
-    return std::string(found->cells.at(row));
-}
-
-/// What the command says, in place of its table.
-Json explained(const std::string& command, const Scratch& folder) {
-    INFO(command);
-    REQUIRE(command.starts_with("lostbits explain "));
-    const auto r = run(command.substr(9) + " --json -q", folder.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    return Json::parse(r.out);
-}
-
-/// A number of the JSON as a cell has it: `inf` and `nan` are words, what there is not is empty.
-double number(const Json& j) {
-    return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>();
-}
-double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
-std::string hex(const Json& j) { return j.is_null() ? "" : j["hex"].get<std::string>(); }
+using Table = std::vector<std::map<std::string, std::string>>;
 
 struct Checked {
     int worst = 0, faults = 0;
 };
 
 /// Pastes the worst ray and the first wrong decision of every `every`th row.
-Checked paste_rows(const CsvTable& table, const Scratch& folder, std::size_t every = 1) {
+Checked paste_rows(const Table& table, const Scratch& folder, std::size_t every = 1) {
     Checked checked;
-    for (std::size_t i = 0; i < table.rows(); i += every) {
-        const std::string name = cell(table, "form", i) + " in " + cell(table, "format", i);
-        CAPTURE(table.source, i, name);
-        CHECK(cell(table, "worst_explain", i).empty() == cell(table, "worst_t_hex", i).empty());
-        CHECK(cell(table, "fault_explain", i).empty() == cell(table, "fault_outcome", i).empty());
-        if (const std::string command = cell(table, "worst_explain", i); !command.empty()) {
-            const Json j = explained(command, folder);
+    for (std::size_t i = 0; i < table.size(); i += every) {
+        const std::string name = table[i].at("form") + " in " + table[i].at("format");
+        CAPTURE(i, name);
+        CHECK(table[i].at("worst_explain").empty() == table[i].at("worst_t_hex").empty());
+        CHECK(table[i].at("fault_explain").empty() == table[i].at("fault_outcome").empty());
+        if (const std::string command = table[i].at("worst_explain"); !command.empty()) {
+            const Json j = explained(command, folder.path());
             CAPTURE(command);
-            CHECK(j["form"] == cell(table, "form", i));
-            CHECK(j["format"] == cell(table, "format", i));
+            CHECK(j["form"] == table[i].at("form"));
+            CHECK(j["format"] == table[i].at("format"));
             CHECK(j["outcome"] == "agree_hit");
-            CHECK(hex(j["t"]) == cell(table, "worst_t_hex", i));
-            CHECK(hex(j["truth"]) == cell(table, "worst_truth_hex", i));
-            CHECK(number(j["ulp_error"]) == number(cell(table, "worst_ulp_error", i)));
-            CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "ulp_error_max", i)));
-            CHECK(number(j["t"]["decimal"]) == number(cell(table, "worst_t", i)));
-            CHECK(number(j["truth"]["decimal"]) == number(cell(table, "worst_truth", i)));
+            CHECK(hex_in(j["t"]) == table[i].at("worst_t_hex"));
+            CHECK(hex_in(j["truth"]) == table[i].at("worst_truth_hex"));
+            CHECK(number_in(j["ulp_error"]) == number_in(table[i].at("worst_ulp_error")));
+            CHECK(std::fabs(number_in(j["ulp_error"])) == number_in(table[i].at("ulp_error_max")));
+            CHECK(number_in(j["t"]["decimal"]) == number_in(table[i].at("worst_t")));
+            CHECK(number_in(j["truth"]["decimal"]) == number_in(table[i].at("worst_truth")));
             ++checked.worst;
         }
-        if (const std::string command = cell(table, "fault_explain", i); !command.empty()) {
-            const Json j = explained(command, folder);
+        if (const std::string command = table[i].at("fault_explain"); !command.empty()) {
+            const Json j = explained(command, folder.path());
             CAPTURE(command);
-            CHECK(j["outcome"] == cell(table, "fault_outcome", i));
-            CHECK(hex(j["truth"]) == cell(table, "fault_truth_hex", i));
+            CHECK(j["outcome"] == table[i].at("fault_outcome"));
+            CHECK(hex_in(j["truth"]) == table[i].at("fault_truth_hex"));
             if (j["outcome"] == "false_hit" || j["outcome"] == "wrong_object")
-                CHECK(hex(j["t"]) == cell(table, "fault_t_hex", i));
-            else CHECK(cell(table, "fault_t_hex", i).empty());
+                CHECK(hex_in(j["t"]) == table[i].at("fault_t_hex"));
+            else CHECK(table[i].at("fault_t_hex").empty());
             ++checked.faults;
         }
     }
     return checked;
-}
-
-/// Runs a command in the folder; it succeeds.
-void make(const std::string& arguments, const Scratch& folder) {
-    const auto r = run(arguments + " -q", folder.path());
-    INFO(arguments << "\n" << r.err);
-    REQUIRE(r.code == 0);
 }
 
 const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
@@ -99,42 +63,44 @@ const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsou
 TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
     const Scratch folder;
     // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
-    std::string own = lostbits::test::good_scene;
+    std::string own = good_scene;
     own.replace(own.find("shared"), 6, "own");
     own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
-    static_cast<void>(folder.write("my scene.toml", own));
+    folder.write("my scene.toml", own);
     const std::string rows =
         " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "
         "sdf.sphere_trace -f f32 -f f64 -f bf16 --size 40x30 --pixels csv -o out ";
-    make("map near-benign world-offset-own box-octree sdf-sphere rtg-fig-7-3-4100-oblique './my scene.toml'" + rows,
-         folder);
-    make("map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f f32 --size 9x7 -o set",
-         folder);
-    Checked all = paste_rows(read_csv(folder.path() / "set/camera-inside/summary.csv"), folder);
+    must("map near-benign world-offset-own box-octree sdf-sphere rtg-fig-7-3-4100-oblique './my scene.toml'" + rows,
+         folder.path());
+    must(
+        "map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f "
+        "f32 --size 9x7 -o set",
+        folder.path());
+    Checked all = paste_rows(read_csv(folder / "set/camera-inside/summary.csv"), folder);
     CHECK(all.faults == 1);
     for (const std::string scene : {"near-benign", "world-offset-own", "box-octree", "sdf-sphere",
                                     "rtg-fig-7-3-4100-oblique", "my scene.a", "my scene.b"}) {
-        const auto table = read_csv(folder.path() / "out" / scene / "summary.csv");
+        const auto table = read_csv(folder / "out" / scene / "summary.csv");
         const Checked some = paste_rows(table, folder);
         CAPTURE(scene);
         CHECK(some.worst > 0);
         all.worst += some.worst;
         all.faults += some.faults;
         // A row of the pixels' table is explained by the same words with its own place.
-        const std::string stem = cell(table, "form", 0) + "." + cell(table, "format", 0);
-        const auto pixels = read_csv(folder.path() / "out" / scene / (stem + ".csv"));
-        const std::string words = cell(table, "worst_explain", 0);
+        const std::string stem = table[0].at("form") + "." + table[0].at("format");
+        const auto pixels = read_csv(folder / "out" / scene / (stem + ".csv"));
+        const std::string words = table[0].at("worst_explain");
         const auto begin = words.find("--pixel ") + 8, end = words.find(' ', begin);
-        for (std::size_t i = 11; i < pixels.rows(); i += 397) {
+        for (std::size_t i = 11; i < pixels.size(); i += 397) {
             std::string other = words;
-            other.replace(begin, end - begin, cell(pixels, "x", i) + "," + cell(pixels, "y", i));
-            const Json j = explained(other, folder);
+            other.replace(begin, end - begin, pixels[i].at("x") + "," + pixels[i].at("y"));
+            const Json j = explained(other, folder.path());
             CAPTURE(other);
-            CHECK(j["outcome"] == cell(pixels, "outcome", i));
-            CHECK(hex(j["truth"]) == cell(pixels, "truth_hex", i));
-            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(pixels, "t_hex", i));
-            CHECK(j["ulp_error"].is_null() == cell(pixels, "ulp_error", i).empty());
-            if (!j["ulp_error"].is_null()) CHECK(number(j["ulp_error"]) == number(cell(pixels, "ulp_error", i)));
+            CHECK(j["outcome"] == pixels[i].at("outcome"));
+            CHECK(hex_in(j["truth"]) == pixels[i].at("truth_hex"));
+            if (j["hit"] == true) CHECK(hex_in(j["t"]) == pixels[i].at("t_hex"));
+            CHECK(j["ulp_error"].is_null() == pixels[i].at("ulp_error").empty());
+            if (!j["ulp_error"].is_null()) CHECK(number_in(j["ulp_error"]) == number_in(pixels[i].at("ulp_error")));
         }
     }
     CHECK(all.worst > 35);
@@ -148,27 +114,26 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
         return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
                "\nsteps = 3\nset = [" + set + "]\n";
     };
-    static_cast<void>(folder.write(
-        "one.toml", head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\"")));
-    static_cast<void>(folder.write("many.toml", "convention = \"closed\"\n" + head +
-                                                    "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
-                                                    "= 16\n" +
-                                                    axis("distance", "2", "1000", "\"distance\"")));
-    static_cast<void>(
-        folder.write("march.toml", head +
-                                       "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
-                                       "2\nrays = 8\n" +
-                                       axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
-    static_cast<void>(folder.write(
-        "scene.toml", "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
+    folder.write("one.toml",
+                 head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\""));
+    folder.write("many.toml", "convention = \"closed\"\n" + head +
+                                  "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
+                                  "= 16\n" +
+                                  axis("distance", "2", "1000", "\"distance\""));
+    folder.write("march.toml", head +
+                                   "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
+                                   "2\nrays = 8\n" +
+                                   axis("distance", "4", "4000", "\"distance\", \"march.max_dist\""));
+    folder.write("scene.toml",
+                 "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\""));
     Checked all;
     for (const auto& [name, forms] :
          std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
                                                           {"many", "-i box.signs -i box.baseline"},
                                                           {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
                                                           {"scene", "-i sphere.unified"}}) {
-        make("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder);
-        const Checked some = paste_rows(read_csv(folder.path() / "out" / name / "samples.csv"), folder);
+        must("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder.path());
+        const Checked some = paste_rows(read_csv(folder / "out" / name / "samples.csv"), folder);
         CAPTURE(name);
         CHECK(some.worst > 5);
         all.faults += some.faults;
@@ -178,18 +143,19 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
 
 TEST_CASE("searches along edges: the nearest ray of each outcome") {
     const Scratch folder;
-    make(
-        "sweep mesh-edges --worst -i triangle.undivided -i triangle.baldwin_weber -f f32 -f p16 --set rays=8192 -o out",
-        folder);
-    const auto table = read_csv(folder.path() / "out/mesh-edges/worst.csv");
+    must(
+        "sweep mesh-edges --worst -i triangle.undivided -i triangle.baldwin_weber -f f32 -f p16 "
+        "--set rays=8192 -o out",
+        folder.path());
+    const auto table = read_csv(folder / "out/mesh-edges/worst.csv");
     int pasted = 0;
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        const std::string command = cell(table, "explain", i);
-        CHECK(command.empty() == (cell(table, "found", i) == "false"));
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const std::string command = table[i].at("explain");
+        CHECK(command.empty() == (table[i].at("found") == "false"));
         if (command.empty()) continue;
         INFO(command);
-        const auto j = explained(command, folder);
-        CHECK(j.at("in_mesh") == cell(table, "outcome", i));
+        const auto j = explained(command, folder.path());
+        CHECK(j.at("in_mesh") == table[i].at("outcome"));
         ++pasted;
     }
     CHECK(pasted >= 6);
@@ -197,7 +163,7 @@ TEST_CASE("searches along edges: the nearest ray of each outcome") {
 
 TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
     const Scratch folder;
-    static_cast<void>(folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
+    folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
 [[case]]
 name = "the reader's: 3"
 symmetric = true
@@ -205,23 +171,24 @@ boxes = [{ lo = [-1, -2, "-3 - ulp"], hi = ["1 + ulp", 2, 3] }]
 rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
         { origin = [0.7, 0.5, -8], direction = [0.1, 0, 1], tmax = 9 },
         { origin = [1, 2, -9], direction = [0, 0, 1] }, { origin = [0, 0, -9], direction = [0, 0, 1], tmax = 2 }]
-)"));
-    make("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
-         "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o "
+)");
+    must("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
+         "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 "
+         "-f f64 -f bf16 -o "
          "out",
-         folder);
+         folder.path());
     const std::vector<std::tuple<std::string, std::size_t, int>> files{
         {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};
     Checked all;
     for (const auto& [name, every, least] : files) {
-        const auto table = read_csv(folder.path() / "out" / name / "cases.csv");
+        const auto table = read_csv(folder / "out" / name / "cases.csv");
         const Checked some = paste_rows(table, folder, every);
         CAPTURE(name);
         CHECK(some.worst + some.faults >= least);
         all.worst += some.worst;
         all.faults += some.faults;
-        for (std::size_t i = 0; i < table.rows(); ++i) {
-            const std::string verdict = cell(table, "verdict", i), fault = cell(table, "fault_outcome", i);
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            const std::string verdict = table[i].at("verdict"), fault = table[i].at("fault_outcome");
             CHECK(fault ==
                   (verdict == "right" || verdict == "within_inputs" || verdict == "wrong_value" ? "" : verdict));
         }
@@ -229,15 +196,15 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     CHECK(all.worst > 30);
     CHECK(all.faults > 15);
     // Without a number it is the ray that the table names, a wrong decision before a wrong value.
-    const auto boxes = read_csv(folder.path() / "out/my cases/cases.csv");
-    for (const std::size_t i : {std::size_t{0}, boxes.rows() - 1}) {
-        std::string command = cell(boxes, "fault_explain", i);
-        if (command.empty()) command = cell(boxes, "worst_explain", i);
+    const auto boxes = read_csv(folder / "out/my cases/cases.csv");
+    for (const std::size_t i : {std::size_t{0}, boxes.size() - 1}) {
+        std::string command = boxes[i].at("fault_explain");
+        if (command.empty()) command = boxes[i].at("worst_explain");
         const auto colon = command.rfind(':', command.rfind("' "));
         std::string without = command;
         without.erase(colon, command.find('\'', colon) - colon);
         CAPTURE(command, without);
-        CHECK(explained(without, folder) == explained(command, folder));
+        CHECK(explained(without, folder.path()) == explained(command, folder.path()));
     }
 }
 
@@ -245,64 +212,56 @@ TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml make
     const Scratch folder;
     for (const auto& [name, solid] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
-        static_cast<void>(folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" +
-                                                           solid + "starts = 2\ngenerations = 6\n"));
-    make("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder);
-    make("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder);
+        folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" + solid +
+                                         "starts = 2\ngenerations = 6\n");
+    must("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder.path());
+    must("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder.path());
     for (const std::string name : {"s", "b"}) {
-        const auto table = read_csv(folder.path() / "out" / name / "worst.csv");
-        REQUIRE(table.rows() == 6);
-        for (std::size_t i = 0; i < table.rows(); ++i) {
-            const Json j = explained(cell(table, "explain", i), folder);
-            CAPTURE(cell(table, "explain", i));
-            CHECK(j["outcome"] == cell(table, "outcome", i));
-            CHECK(hex(j["truth"]) == cell(table, "truth_hex", i));
-            if (j["hit"] == true) CHECK(hex(j["t"]) == cell(table, "t_hex", i));
-            if (!j["lost_bits"].is_null()) CHECK(number(j["lost_bits"]) == number(cell(table, "lost_bits", i)));
+        const auto table = read_csv(folder / "out" / name / "worst.csv");
+        REQUIRE(table.size() == 6);
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            const Json j = explained(table[i].at("explain"), folder.path());
+            CAPTURE(table[i].at("explain"));
+            CHECK(j["outcome"] == table[i].at("outcome"));
+            CHECK(hex_in(j["truth"]) == table[i].at("truth_hex"));
+            if (j["hit"] == true) CHECK(hex_in(j["t"]) == table[i].at("t_hex"));
+            if (!j["lost_bits"].is_null()) CHECK(number_in(j["lost_bits"]) == number_in(table[i].at("lost_bits")));
         }
-        make("sweep out/" + name + "/hard.toml -i sphere.press -i box.divide -f f64 -o out", folder);
-        CHECK(paste_rows(read_csv(folder.path() / "out/hard/cases.csv"), folder).worst > 2);
+        must("sweep out/" + name + "/hard.toml -i sphere.press -i box.divide -f f64 -o out", folder.path());
+        CHECK(paste_rows(read_csv(folder / "out/hard/cases.csv"), folder).worst > 2);
     }
 }
 
 TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML is one that can be pasted") {
     const Scratch folder;
-    const auto claim = [](const std::string& id, const std::string& given, const std::string& metric) {
-        return "[[claim]]\nid = \"" + id +
-               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
-               "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [-2, -1]\n";
-    };
-    static_cast<void>(folder.write(
+    const std::string ulps = metric_in("ulp_error_max", "[-2, -1]"), unified = tested("sphere.unified"),
+                      press = tested("sphere.press", "bf16"), all = "case = \"*\"\n";
+    folder.write(
         "c.toml",
-        "schema = \"lostbits-claims/1\"\n" +
-            claim("scene", "scene = \"near-benign\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"", "ulp_error_max") +
-            claim("own", "scene = \"world-offset-own\"\nform = \"sphere.press\"\nformat = \"bf16\"", "ulp_error_max") +
-            claim("wrong", "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"", "false_miss") +
-            claim("sweep", "sweep = \"sphere-distance\"\nform = \"sphere.press\"\nformat = \"bf16\"\nat = 30",
-                  "ulp_error_max") +
-            claim("march", "sweep = \"sdf-distance\"\nform = \"sdf.sphere_trace\"\nformat = \"f32\"\nat = 300",
-                  "ulp_error_max") +
-            claim("none", "sweep = \"not-numbers\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f32\"",
-                  "not_a_number") +
-            claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
-                  "ulp_error_max")));
+        claims_of({{"scene", "scene = \"near-benign\"\n" + tested("sphere.schoolbook", "f64"), ulps},
+                   {"own", "scene = \"world-offset-own\"\n" + press, ulps},
+                   {"wrong", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                    metric_in("false_miss", "[-2, -1]")},
+                   {"sweep", "sweep = \"sphere-distance\"\nat = 30\n" + press, ulps},
+                   {"march", "sweep = \"sdf-distance\"\nat = 300\n" + tested("sdf.sphere_trace"), ulps},
+                   {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_in("not_a_number", "[-2, -1]")},
+                   {"case", "sweep = \"scale\"\n" + all + tested("sphere.unified", "f64"), ulps}}));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
-    INFO(r.out << r.err);
     REQUIRE(r.code == 1);
-    const auto table = read_csv(folder.path() / "c.csv");
-    const Json array = Json::parse(contents(folder.path() / "c.json"));
-    const std::string xml = contents(folder.path() / "j.xml");
-    REQUIRE(table.rows() == 7);
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        const std::string command = cell(table, "witness_explain", i);
+    const auto table = read_csv(folder / "c.csv");
+    const Json array = Json::parse(contents(folder / "c.json"));
+    const std::string xml = contents(folder / "j.xml");
+    REQUIRE(table.size() == 7);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const std::string command = table[i].at("witness_explain");
         CAPTURE(command);
         CHECK(array[i]["witness_explain"] == command);
-        CHECK(r.out.find("explain it: " + command + "\n") != std::string::npos);
-        CHECK(xml.find("\n" + command + "\n") != std::string::npos);
-        const Json j = explained(command, folder);
-        const std::string metric = cell(table, "quantity", i);
+        CHECK(has(r.out, "explain it: " + command + "\n"));
+        CHECK(has(xml, "\n" + command + "\n"));
+        const Json j = explained(command, folder.path());
+        const std::string metric = table[i].at("quantity");
         if (metric.find("ulp_error") == std::string::npos) CHECK(j["outcome"] == metric);
-        else CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "measured", i)));
+        else CHECK(std::fabs(number_in(j["ulp_error"])) == number_in(table[i].at("measured")));
     }
 }
 

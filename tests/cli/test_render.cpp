@@ -8,7 +8,7 @@
 
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
-#include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_render {
@@ -16,22 +16,8 @@ namespace test_render {
 using namespace lostbits::test;
 using lostbits::measure::picture::Seen;
 using lostbits::measure::picture::Shadow;
-using lostbits::output::image::ExrImage;
 
 namespace {
-
-auto& backend() {
-    draw_pictures();
-    return lostbits::output::image::image_backend();
-}
-
-template <class T>
-const std::vector<T>& channel(const ExrImage& exr, const std::string& name) {
-    const auto* found = exr.find(name);
-    CAPTURE(name);
-    REQUIRE(found != nullptr);
-    return std::get<std::vector<T>>(found->samples);
-}
 
 const std::string spheres = R"(
 [light]
@@ -45,13 +31,11 @@ std::string with(const std::string& what) { return good_scene + what; }
 
 TEST_CASE("render writes what it says: pictures, references, difference maps, layers, a sheet and a table") {
     const Scratch scratch;
-    const auto r =
-        run("render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
-            "-f f32 -f bf16 --pictures all -o '" +
-            scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto folder = scratch.path() / "raycast-course.small";
+    const auto r = must(
+        "render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
+        "-f f32 -f bf16 --pictures all" +
+        into(scratch, ""));
+    const auto folder = scratch / "raycast-course.small";
     CHECK(r.out == (folder / "contact.png").string() + "\n");
     std::vector<std::string> expected{"contact.png", "datapackage.json",      "manifest.json",
                                       "summary.csv", "visible.reference.png", "phong.reference.png"};
@@ -81,18 +65,18 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 TEST_CASE("the layers, the pictures and the table say the same") {
     draw_pictures();
     const Scratch scratch;
-    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 "
-                "--pictures all -o '" +
-                scratch.path().string() + "'")
-                .code == 0);
-    const auto folder = scratch.path() / "raycast-acne.none";
+    must(
+        "render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 "
+        "--pictures all" +
+        into(scratch, ""));
+    const auto folder = scratch / "raycast-acne.none";
     const auto exr = backend().read_exr(folder / "sphere.unified.f32.exr");
     const auto picture = backend().read_png(folder / "shadows.sphere.unified.f32.png"),
                reference = backend().read_png(folder / "shadows.reference.png");
     REQUIRE(picture.width == 48);
     REQUIRE(reference.height == 36);
-    const auto& seen = channel<std::uint32_t>(exr, "class.seen");
-    const auto& shadow = channel<std::uint32_t>(exr, "class.shadow");
+    const auto& seen = samples<std::uint32_t>(exr, "class.seen");
+    const auto& shadow = samples<std::uint32_t>(exr, "class.shadow");
     const auto row = read_csv(folder / "summary.csv").at(1);
     std::array<int, 7> seen_counts{}, shadow_counts{};
     int changed = 0;
@@ -101,14 +85,14 @@ TEST_CASE("the layers, the pictures and the table say the same") {
         ++seen_counts.at(seen[i]);
         ++shadow_counts.at(shadow[i]);
         changed += !(picture.pixels[i] == reference.pixels[i]);
-        const float error = channel<float>(exr, "shadows.difference")[i];
+        const float error = samples<float>(exr, "shadows.difference")[i];
         if (seen[i] <= 1) worst = std::max(worst, error);
         const char* const ends[] = {".r", ".g", ".b"};
         const std::uint8_t bytes[] = {picture.pixels[i].r, picture.pixels[i].g, picture.pixels[i].b};
         float largest = 0;
         for (int k = 0; k < 3; ++k) {
-            const float c = channel<float>(exr, std::string("shadows") + ends[k])[i],
-                        truth = channel<float>(exr, std::string("shadows_true") + ends[k])[i];
+            const float c = samples<float>(exr, std::string("shadows") + ends[k])[i],
+                        truth = samples<float>(exr, std::string("shadows_true") + ends[k])[i];
             CHECK(bytes[k] == static_cast<int>(std::clamp(std::floor(255.0 * c + 0.5), 0.0, 255.0)));
             largest = std::max(largest, 255 * std::fabs(c - truth));
         }
@@ -128,10 +112,10 @@ TEST_CASE("the layers, the pictures and the table say the same") {
 
 TEST_CASE("render -v names both shares of wrong pixels, and they are those of the summary") {
     const Scratch scratch;
-    const auto r = run("render raycast-course.small --size 64x48 -i sphere.expanded -f fp16 -v -o out", scratch.path());
-    REQUIRE(r.code == 0);
+    const auto r =
+        must("render raycast-course.small --size 64x48 -i sphere.expanded -f fp16 -v -o out", scratch.path());
     CHECK(has(r.out, "wrong colour wrong sphere "));
-    const auto row = read_csv(scratch.path() / "out/raycast-course.small/summary.csv").at(0);
+    const auto row = read_csv(scratch / "out/raycast-course.small/summary.csv").at(0);
     double wrong = 0;
     for (const char* column : {"other_sphere", "lost_sphere", "extra_sphere", "not_a_number"})
         wrong += number_in(row.at(column));
@@ -147,86 +131,58 @@ TEST_CASE("render -v names both shares of wrong pixels, and they are those of th
 
 TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyond that is said to be") {
     const Scratch scratch;
-    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'",
-                      out = " -o '" + scratch.path().string() + "'";
-    const auto r = run("render " + scene + " --stage phong --pictures all" + out);
-    CHECK(r.code == 0);
-    CHECK(r.err.find("has no stage phong; drawing stage visible instead") != std::string::npos);
-    CHECK(std::filesystem::exists(scratch.path() / "scene/visible.sphere.expanded.f32.png"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "scene/sphere.expanded.f32.normal.png"));
+    const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'", out = into(scratch, "");
+    const auto r = must("render " + scene + " --stage phong --pictures all" + out);
+    CHECK(has(r.err, "has no stage phong; drawing stage visible instead"));
+    CHECK(fs::exists(scratch / "scene/visible.sphere.expanded.f32.png"));
+    CHECK_FALSE(fs::exists(scratch / "scene/sphere.expanded.f32.normal.png"));
     CHECK(run("render " + scene + " --stage phong -q" + out).err.empty());
     const std::string lit = "'" + scratch.write("lit.toml", with(spheres)) + "'";
-    REQUIRE(run("render " + lit + out).code == 0);
-    CHECK(read_csv(scratch.path() / "lit/summary.csv").front().at("stage") == "shadows");
-    REQUIRE(run("render " + lit + " --stage diffuse" + out).code == 0);
-    CHECK(read_csv(scratch.path() / "lit/summary.csv").front().at("stage") == "diffuse");
+    must("render " + lit + out);
+    CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "shadows");
+    must("render " + lit + " --stage diffuse" + out);
+    CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "diffuse");
 }
 
 TEST_CASE("what render refuses: the place or the word, the exit code, and nothing written") {
-    struct Case {
-        std::string scene, arguments;
-        int code;
-        const char* says;
-    };
-    const Case cases[] = {
-        {with("[shadows]\n"), "", 2, "scene.toml:18:1: shadows need a light"},
-        {with("ks = 0.5\n"), "", 2, "scene.toml:18:6: sphere[0].ks above 0 asks for a highlight"},
-        {with("colour = [2, 0, 0]\n"), "", 2, "scene.toml:18:10: sphere[0].colour is not between 0 and 1"},
-        {with("[light]\npositon = [0, 0, 0]\n"), "", 2, "position"},
-        {with("[shadows]\nown = 1\n[light]\nposition = [1, 2, 3]\n"), "", 2, "scene.toml:19:7: shadows.own"},
-        {good_scene, "--stage fong", 2, "stage"},
-        {good_scene, "-i sphere.expandet", 2, "sphere.expanded"},
-        {good_scene, "-i 'box.*'", 4, "sphere.*"},
-        {good_scene, "-f f31", 2, "f32"},
-        {good_scene, "--set light.position=[1,2,3]", 2, "light"},
-        {spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n"), "", 2,
-         "lostbits map"},
-    };
-    for (const Case& c : cases) {
-        const Scratch scratch;
-        const std::string file = scratch.write("scene.toml", c.scene);
-        const auto r = run("render '" + file + "' " + c.arguments + into(scratch));
-        INFO(c.says << "\n" << r.err);
-        CHECK(r.code == c.code);
-        CHECK(r.out.empty());
-        CHECK(r.err.find(c.says) != std::string::npos);
-        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
-    }
     const Scratch scratch;
-    CHECK(run("render raycast-course.small -o /proc/nowhere").code == 3);
+    const std::pair<const char*, std::string> files[] = {
+        {"good.toml", good_scene},
+        {"shadows.toml", with("[shadows]\n")},
+        {"ks.toml", with("ks = 0.5\n")},
+        {"boxes.toml",
+         spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    check_refused(scratch, "render -o out",
+                  {{"shadows.toml", "shadows.toml:18:1: shadows need a light"},
+                   {"ks.toml", "ks.toml:18:6: sphere[0].ks above 0 asks for a highlight"},
+                   {"good.toml --stage fong", "stage"},
+                   {"good.toml -i 'box.*'", "sphere.*", 4},
+                   {"good.toml --set light.position=[1,2,3]", "light"},
+                   {"boxes.toml", "lostbits map"}});
 }
 
 TEST_CASE("a claim about a rendered picture: its number, and what it cannot be about") {
     const Scratch scratch;
-    const auto claim = [&](const std::string& given, const std::string& metric) {
-        const std::string file =
-            scratch.write("claims.toml",
-                          "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = "
-                          "\"-\"\nverdict = \"holds\"\n[claim.given]\n" +
-                              given + "\nform = \"sphere.expanded\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"" +
-                              metric + "\"\nin = [49152, 49152]\n");
-        return run("check '" + file + "'");
+    const auto given = [](const std::string& words) { return words + "\n" + tested("sphere.expanded"); };
+    const auto check = [&](const std::string& metric) {
+        const std::string text = claims_of({{"a", given("render = \"raycast-course.pixels\"\nstage = \"visible\""),
+                                             metric_in(metric, "[49152, 49152]")}});
+        return run("check '" + scratch.write("claims.toml", text) + "'");
     };
-    CHECK(claim("render = \"raycast-course.pixels\"\nstage = \"visible\"", "pixels").code == 0);
-    const auto wrong = claim("render = \"raycast-course.pixels\"\nstage = \"visible\"", "changed");
+    CHECK(check("pixels").code == 0);
+    const auto wrong = check("changed");
     CHECK(wrong.code == 1);
-    CHECK(wrong.out.find("lostbits render raycast-course.pixels --stage visible -i sphere.expanded -f f32 -o out") !=
-          std::string::npos);
-    for (const auto& [given, metric, says] :
-         {std::tuple{"render = \"raycast-curse.pixels\"", "pixels", "raycast-course"},
-          {"render = \"raycast-course\"", "pixels", "has variants"},
-          {"render = \"raycast-far.at0\"\nstage = \"phongg\"", "pixels", "phong"},
-          {"render = \"raycast-acne.none\"\nstage = \"phong\"", "pixels", "has no stage"},
-          {"render = \"box-one\"", "pixels", "no spheres"},
-          {"render = \"raycast-far.at0\"\nat = 3", "pixels", "at"},
-          {"scene = \"grazing\"\nstage = \"phong\"", "pixels", "stage"},
-          {"render = \"raycast-far.at0\"", "pixel", "pixels"}}) {
-        const auto r = claim(given, metric);
-        INFO(given << "\n" << r.err);
-        CHECK(r.code == 2);
-        CHECK(r.err.find(says) != std::string::npos);
-        CHECK(r.err.find("claims.toml:") != std::string::npos);
-    }
+    CHECK(has(wrong.out, "lostbits render raycast-course.pixels --stage visible -i sphere.expanded -f f32 -o out"));
+    const std::string pixels = metric_in("pixels");
+    check_refused_claims(scratch, {{given("render = \"raycast-curse.pixels\""), pixels, "raycast-course"},
+                                   {given("render = \"raycast-course\""), pixels, "has variants"},
+                                   {given("render = \"raycast-far.at0\"\nstage = \"phongg\""), pixels, "phong"},
+                                   {given("render = \"raycast-acne.none\"\nstage = \"phong\""), pixels, "has no stage"},
+                                   {given("render = \"box-one\""), pixels, "no spheres"},
+                                   {given("render = \"raycast-far.at0\"\nat = 3"), pixels, "at"},
+                                   {given("scene = \"grazing\"\nstage = \"phong\""), pixels, "stage"},
+                                   {given("render = \"raycast-far.at0\""), metric_in("pixel"), "pixels"}});
 }
 
 }  // namespace test_render

@@ -45,12 +45,10 @@ std::string without_blobs(const std::string& page) {
 }
 
 std::string report_of(const std::string& arguments, const Scratch& scratch) {
-    const auto r = run("report " + arguments + " -o " + in(scratch));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    CHECK(r.out == (scratch.path() / "index.html").string() + "\n");
+    const auto r = must("report " + arguments + " -o " + in(scratch));
+    CHECK(r.out == (scratch / "index.html").string() + "\n");
     CHECK(scratch.files() == std::vector<std::string>{"index.html", "manifest.json"});
-    return contents(scratch.path() / "index.html");
+    return contents(scratch / "index.html");
 }
 
 }  // namespace
@@ -68,13 +66,13 @@ TEST_CASE("a report is one file that asks for no other") {
     for (const char* fetching : {"@import", "url(", "<link rel=\"stylesheet", "<iframe", "<object", "<script src",
                                  "fetch(", "XMLHttpRequest", "import("}) {
         INFO(fetching);
-        CHECK(page.find(fetching) == std::string::npos);
+        CHECK_FALSE(has(page, fetching));
     }
     const auto policy = all_of(page, R"re(http-equiv="Content-Security-Policy" content="([^"]*)")re");
     REQUIRE(policy.size() == 1);
     CHECK(policy.front().starts_with("default-src 'none'; script-src 'sha256-"));
     CHECK(policy.front().find("unsafe") == std::string::npos);
-    CHECK(page.find(" style=\"") == std::string::npos);  // the policy forbids them
+    CHECK_FALSE(has(page, " style=\""));  // the policy forbids them
     // What is copied into the page comes with its licence.
     CHECK((page.find("uPlot=function") != std::string::npos) ==
           (page.find("Permission is hereby granted") != std::string::npos));
@@ -85,8 +83,8 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
     const Scratch scratch, maps;
     const std::string what = "rtg-fig-7-3-4100-oblique -i 'sphere.*' -f f32 -f f64 --size 48x48 ";
     const std::string page = report_of(what + "--no-claims", scratch);
-    REQUIRE(run("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps)).code == 0);
-    const auto summary = read_csv(maps.path() / "rtg-fig-7-3-4100-oblique/summary.csv");
+    must("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps));
+    const auto summary = read_csv(maps / "rtg-fig-7-3-4100-oblique/summary.csv");
     std::size_t rows = 0, withheld_rows = 0;
     for (const auto& row : summary) {
         const std::string key = row.at("form") + "." + row.at("format"), start = "<tr data-row=\"" + key + "\">";
@@ -119,8 +117,8 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
 TEST_CASE("a report counts and lists the claims that it is asked for") {
     const Scratch scratch;
     const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
-    const auto json = scratch.path() / "claims.csv";
-    REQUIRE(run("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'").code == 0);
+    const auto json = scratch / "claims.csv";
+    must("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'");
     const std::string csv = contents(json);
     const std::size_t held = all_of(csv, "(,holds,)").size(), refuted = all_of(csv, "(,refuted,)").size(),
                       qualified = all_of(csv, "(,qualified,)").size();
@@ -134,7 +132,7 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     const auto links =
         all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
     CHECK(links.size() == 2);
-    for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
+    for (const auto& link : links) CHECK(has(link, "form=sphere.schoolbook&amp;format=f32"));
 }
 
 TEST_CASE("the offsets of a report are the CSV's numbers, and there when they are asked for") {
@@ -142,8 +140,8 @@ TEST_CASE("the offsets of a report are the CSV's numbers, and there when they ar
     const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 24x18 ";
     CHECK(report_of(what, scratch).find("id=\"offsets\"") == std::string::npos);
     const std::string page = report_of(what + "--offsets offset-shells.outside --force", scratch);
-    REQUIRE(run("offsets offset-shells.outside --size 24x18 --points computed -o " + in(table)).code == 0);
-    const auto summary = read_csv(table.path() / "offset-shells.outside/summary.csv");
+    must("offsets offset-shells.outside --size 24x18 --points computed -o " + in(table));
+    const auto summary = read_csv(table / "offset-shells.outside/summary.csv");
     const auto at = page.find("id=\"offsets-offset-shells.outside\"");
     REQUIRE(at != std::string::npos);
     const std::string part = page.substr(at, page.find("<img", at) - at);
@@ -199,81 +197,61 @@ TEST_CASE("a report says what to change in a form, as mend does, when it is aske
     };
     const std::string part = section_of(report_of(what + "--mend near-benign:sphere.half_b:20 --force", scratch));
     CHECK(has(part, "sphere.half_b in f32: 20 correct bits of every hit, no wrong decision <code>near-benign</code>"));
-    REQUIRE(run("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended)).code == 0);
-    CHECK(part == section_of(contents(mended.path() / "near-benign/index.html")));
+    must("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended));
+    CHECK(part == section_of(contents(mended / "near-benign/index.html")));
     // Where nothing meets the wish, the page says so.
     CHECK(has(section_of(report_of(what + "--mend near-benign:sphere.pythagoras:22:p99 --force", scratch)),
               "Even with all of its "));
 }
 
 TEST_CASE("a report that cannot be made leaves nothing") {
-    const auto refused = [](const std::string& arguments, int code, const std::string& says) {
-        const Scratch scratch;
-        const auto r = run("report " + arguments + " -o " + in(scratch));
-        INFO(arguments << ": " << r.err);
-        CHECK(r.code == code);
-        CHECK(r.err.find(says) != std::string::npos);
-        CHECK(scratch.files().empty());
-    };
-    refused("near-bening", 2, "did you mean \"near-benign\"?");
-    refused("near-benign -i sphere.unifed", 2, "did you mean");
-    refused("near-benign near-benign", 2, "given twice");
-    refused("near-benign --size 0x4", 2, "--size");
-    refused("near-benign -i sphere.press --metric contribution:disk", 2, "did you mean \"disc\"?");
-    refused("near-benign -i 'box.*'", 4, "no selected form handles");
-    refused("near-benign --choose near-benign", 2, "says no bits");
-    refused("near-benign --choose near-benign:54", 2, "0 to 53");
-    refused("near-benign --choose near-benign:18:p0", 2, "p99.9");
-    refused("near-benign --choose near-bening:18", 2, "did you mean \"near-benign\"?");
-    refused("near-benign --choose rtg-fig-7-4:18", 2, "rtg-fig-7-4.r1e6");
-    refused("near-benign --mend near-benign:18", 2, "names no scene, or no form");
-    refused("near-benign --mend near-benign:sphere.half_b:54", 2, "0 to 53");
-    refused("near-benign --mend near-benign:box.signs:18", 2, "is not one form for the solids of that scene");
-    refused("near-benign -i sphere.unified --size 8x8 --no-claims --mend near-benign:sphere.filtered:18", 2,
-            "decides by itself how far to go");
-    refused("near-benign --offsets sphereflake-near", 2, "1000 is the most");
     const Scratch scratch;
-    const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
-    refused("'" + broken + "'", 2, "mine.toml:");
-    CHECK(run("report near-benign -o ''").code == 2);
+    scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
+    check_refused(scratch, "report -o out",
+                  {{"near-bening", "did you mean \"near-benign\"?"},
+                   {"near-benign near-benign", "given twice"},
+                   {"near-benign -i sphere.press --metric contribution:disk", "did you mean \"disc\"?"},
+                   {"near-benign -i 'box.*'", "no selected form handles", 4},
+                   {"near-benign --claims nothing", "no claim of the profile results has this id"},
+                   {"near-benign --choose near-benign", "says no bits"},
+                   {"near-benign --choose near-benign:54", "0 to 53"},
+                   {"near-benign --choose near-benign:18:p0", "p99.9"},
+                   {"near-benign --choose near-bening:18", "did you mean \"near-benign\"?"},
+                   {"near-benign --choose rtg-fig-7-4:18", "rtg-fig-7-4.r1e6"},
+                   {"near-benign --mend near-benign:18", "names no scene, or no form"},
+                   {"near-benign --mend near-benign:sphere.half_b:54", "0 to 53"},
+                   {"near-benign --mend near-benign:box.signs:18", "is not one form for the solids of that scene"},
+                   {"near-benign -i sphere.unified --size 8x8 --no-claims --mend near-benign:sphere.filtered:18",
+                    "decides by itself how far to go"},
+                   {"near-benign --offsets sphereflake-near", "1000 is the most"},
+                   {"mine.toml", "mine.toml:"}});
 }
 
 TEST_CASE("data/report.toml names what exists") {
-    const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
+    const auto data = fs::path(LOSTBITS_DATA_DIR);
     const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");
     REQUIRE(report.scenes.size() >= 5);
     REQUIRE(report.sweeps.size() >= 5);
-    for (const auto& name : report.scenes) {
-        const auto found = lostbits::scene::file::find_scene(name, data);
-        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
-    }
-    for (const auto& name : report.offsets) {
-        const auto found = lostbits::scene::file::find_scene(name, data);
-        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
-    }
     CHECK_FALSE(report.mends.empty());
-    for (const auto& word : report.mends) {
+    auto scenes = report.scenes, forms = report.forms;
+    scenes.insert(scenes.end(), report.offsets.begin(), report.offsets.end());
+    for (const auto& word : report.mends) {  // SCENE:FORM:…
         const auto colon = word.find(':');
-        const auto form = word.substr(colon + 1, word.find(':', colon + 1) - colon - 1);
-        CHECK(std::filesystem::exists(lostbits::scene::file::find_scene(word.substr(0, colon), data).path));
-        CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
+        scenes.push_back(word.substr(0, colon));
+        forms.push_back(word.substr(colon + 1, word.find(':', colon + 1) - colon - 1));
     }
-    for (const auto& name : report.sweeps)
-        CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
-    for (const auto& form : report.forms)
-        CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
-    const Scratch scratch;
-    const auto file = scratch.write("report.toml",
-                                    "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = "
-                                    "[\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
-    std::string error;
-    try {
-        (void)lostbits::scene::claim::read_report_file(file);
-    } catch (const lostbits::InputError& e) {
-        error = e.what();
+    for (const auto& name : scenes) {
+        const auto found = lostbits::scene::file::find_scene(name, data);
+        CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
     }
-    CHECK(error.find("report.toml:6:1") != std::string::npos);
-    CHECK(error.find("did you mean \"scenes\"?") != std::string::npos);
+    const std::string listed = run("list forms").out;
+    for (const auto& form : forms) CHECK(has(listed, form + " "));
+    for (const auto& name : report.sweeps) CHECK(fs::exists(lostbits::scene::sweep::find_sweep(name, data)));
+    const ScratchFile file("report.toml",
+                           "schema = \"lostbits-report/1\"\nscenes = [\"a\"]\nsweeps = [\"b\"]\nforms = "
+                           "[\"*\"]\nformats = [\"f32\"]\nsceens = [\"a\"]\n");
+    CHECK_THROWS_WITH(lostbits::scene::claim::read_report_file(file.path()),
+                      Catch::Contains("report.toml:6:1") && Catch::Contains("did you mean \"scenes\"?"));
 }
 
 TEST_CASE("what is packed for a page") {

@@ -1,4 +1,4 @@
-// The committed reports are what the program makes now.
+// The committed reports, and what the README and docs/sweep.md show, are what the program makes now.
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
+#include "output/image/image.hpp"
 #include "program.hpp"
 #include "scene/claim/claims_file.hpp"
 
@@ -112,13 +113,11 @@ std::string one_of_each_kind() {
 TEST_CASE(
     "every claim measures as stated, in the long tests the dear ones and further draws too, as the table has it") {
     if (under_sanitizer) {  // which looks for faults: a further draw runs the code of the first
-        const auto once = run("check");
-        INFO(once.out << once.err);
-        REQUIRE(once.code == 0);
+        must("check");
         return;
     }
     const Scratch scratch;
-    const std::string json = (scratch.path() / "claims.json").string(), csv = (scratch.path() / "claims.csv").string();
+    const std::string json = (scratch / "claims.json").string(), csv = (scratch / "claims.csv").string();
     const auto ids = measured_ids();
     std::string words = "check --seeds 3";
     if (!is_long()) {
@@ -126,9 +125,7 @@ TEST_CASE(
         for (const std::string& id : ids) words += id + ",";
         words.pop_back();
     }
-    const auto check = run(words + " --export-csv '" + csv + "' --export-json '" + json + "'");
-    INFO(check.out);
-    REQUIRE(check.code == 0);
+    must(words + " --export-csv '" + csv + "' --export-json '" + json + "'");
     int drawn = 0;
     const auto measured = nlohmann::json::parse(contents(json));
     CHECK(measured.size() == ids.size());
@@ -143,9 +140,7 @@ TEST_CASE(
     CHECK(drawn > 50);
     // By content: sentences, sources, numbers, worst rays.
     const std::string committed = scratch.write("committed.csv", committed_table(ids));
-    const auto table = run("diff '" + csv + "' '" + committed + "'" + (is_long() ? "" : " --ignore 'draw*'"));
-    INFO(table.out);
-    CHECK(table.code == 0);
+    must("diff '" + csv + "' '" + committed + "'" + (is_long() ? "" : " --ignore 'draw*'"));
 }
 
 // Its pictures measure their subjects once more: in the short tests there is one subject of each kind.
@@ -156,13 +151,11 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
     }
     draw_pictures();
     const Scratch scratch;
-    const std::string made = (scratch.path() / "reports").string();
-    std::filesystem::create_directories(made);
-    std::filesystem::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
-                          std::filesystem::copy_options::recursive);  // whose names the document has
-    const auto check = run((is_long() ? "check --seeds 3" : "check" + one_of_each_kind()) + " --report '" + made + "'");
-    INFO(check.out);
-    REQUIRE(check.code == 0);
+    const std::string made = (scratch / "reports").string();
+    fs::create_directories(made);
+    fs::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
+             fs::copy_options::recursive);  // whose names the document has
+    must((is_long() ? "check --seeds 3" : "check" + one_of_each_kind()) + " --report '" + made + "'");
     const std::string document = contents(made + "/README.md"), committed = contents(LOSTBITS_REPORTS_DIR "/README.md");
     if (is_long()) CHECK(document == committed);
     const std::set<std::string> there = sections(of_one_draw(committed)), here = sections(of_one_draw(document));
@@ -171,17 +164,43 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
         INFO(section);
         CHECK(there.contains(section));
     }
-    for (const auto& picture : std::filesystem::directory_iterator(made + "/pictures")) {
+    for (const auto& picture : fs::directory_iterator(made + "/pictures")) {
         const std::string name = picture.path().filename().string();
-        const auto same =
-            run("diff --strict '" + picture.path().string() + "' '" LOSTBITS_REPORTS_DIR "/pictures/" + name + "'");
-        INFO(name << ": " << same.out << same.err);
-        CHECK(same.code == 0);
+        must("diff --strict '" + picture.path().string() + "' '" LOSTBITS_REPORTS_DIR "/pictures/" + name + "'");
     }
     if (!is_long()) return;
-    const auto pictures = run("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
-    INFO(pictures.out);
-    CHECK(pictures.code == 0);
+    must("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
+}
+
+TEST_CASE("the picture and the table of the README are what the program makes") {
+    draw_pictures();
+    const Scratch scratch;
+    must("map rtg-fig-7-3-4100-oblique" + into(scratch, ""));
+    const auto made = scratch / "rtg-fig-7-3-4100-oblique";
+    const fs::path kept = LOSTBITS_REPORTS_DIR "/readme";
+    CHECK(contents(made / "summary.csv") == contents(kept / "summary.csv"));
+    auto& backend = lostbits::output::image::image_backend();
+    const auto now = backend.read_png(made / "contact.png"), then = backend.read_png(kept / "contact.png");
+    CHECK(now.width == then.width);
+    CHECK(now.height == then.height);
+    // Pixels, not bytes: another zlib packs the same picture differently.
+    CHECK((now.pixels == then.pixels));
+
+    if (!is_long()) return;  // 8 s
+    must("sweep sphere-distance -f f32" + into(scratch, ""));
+    const auto plot = backend.read_png(scratch / "sphere-distance/lost_bits_p50.f32.png"),
+               kept_plot = backend.read_png(kept / "lost_bits_p50.f32.png");
+    CHECK((plot.pixels == kept_plot.pixels));
+}
+
+TEST_CASE("the scene of the README can be mapped as it stands there") {
+    const std::string readme = contents(LOSTBITS_REPORTS_DIR "/../README.md");
+    const auto begin = readme.find("```toml\n") + 8;
+    REQUIRE(begin != std::string::npos + 8);
+    const Scratch scratch;
+    const std::string file = scratch.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
+    must("map '" + file + "' --size 24x24 -i sphere.press -f f32" + into(scratch, ""));
+    CHECK(std::stod(read_csv(scratch / "mine/summary.csv").front().at("agree_hit")) > 100);
 }
 
 }  // namespace test_reports

@@ -16,17 +16,12 @@ const std::string floor_map = "map spheres-on-floor --size 16x8 -f f32";
 
 TEST_CASE("every combination of one form a shape is a set, and two hundred are the most") {
     const Scratch scratch;
-    REQUIRE(run(floor_map + " -i 'sphere.p*' -i 'box.e*' -i box.signs" + into(scratch)).code == 0);
-    const auto rows = read_csv(scratch.path() / "out/spheres-on-floor/summary.csv");
+    must(floor_map + " -i 'sphere.p*' -i 'box.e*' -i box.signs" + into(scratch));
+    const auto rows = read_csv(scratch / "out/spheres-on-floor/summary.csv");
     REQUIRE(rows.size() == 4 * 5);
     CHECK(rows.front().at("form") == "sphere.press+box.exclusive");
-    REQUIRE(run(floor_map + " -i 'sphere.p*+box.[es]*'" + into(scratch, "word")).code == 0);
-    CHECK(read_csv(scratch.path() / "word/spheres-on-floor/summary.csv") == rows);
-
-    const auto many = run(floor_map + " -i 'sphere.*' -i 'box.*'" + into(scratch, "many"));
-    CHECK(many.code == 2);
-    CHECK(has(many.err, "make 308 sets, one form for each shape, and 200 are the most; name fewer forms"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "many"));
+    must(floor_map + " -i 'sphere.p*+box.[es]*'" + into(scratch, "word"));
+    CHECK(read_csv(scratch / "word/spheres-on-floor/summary.csv") == rows);
 }
 
 TEST_CASE("shapes that share names of numbers share their columns") {
@@ -50,8 +45,8 @@ top = [2.5, 1, 0]
 radius = 0.75
 )");
     const std::string map = "map '" + scene + "' -f f32 -i sphere.schoolbook+cylinder.crossed";
-    REQUIRE(run(map + into(scratch)).code == 0);
-    const auto row = read_csv(scratch.path() / "out/both/summary.csv").at(0);
+    must(map + into(scratch));
+    const auto row = read_csv(scratch / "out/both/summary.csv").at(0);
     CHECK(row.count("worst_radius_hex") == 1);
     const bool of_sphere = !row.at("worst_centre_x_hex").empty();
     CHECK(row.at("worst_radius_hex") == (of_sphere ? "0x1.4p+0" : "0x1.8p-1"));
@@ -60,55 +55,41 @@ radius = 0.75
 
 TEST_CASE("without -i a scene of several shapes is measured by the plain set, which is said") {
     const Scratch scratch;
-    const auto r = run(floor_map + into(scratch));
-    REQUIRE(r.code == 0);
+    const auto r = must(floor_map + into(scratch));
     CHECK(has(r.err,
               "it has spheres and boxes, which are measured by a form for each; without -i by "
               "sphere.schoolbook+box.inclusive alone"));
-    CHECK(read_csv(scratch.path() / "out/spheres-on-floor/summary.csv").size() == 1);
+    CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }
 
 TEST_CASE("a set that lacks a shape, or cannot be one, is told what to write, and nothing is written") {
-    struct Bad {
-        std::string words;
-        int code;
-        const char* says;
-    };
-    const Bad bad[] = {
-        {floor_map + " -i sphere.press", 4, "no selected form is for boxes; try -i sphere.press+box.inclusive"},
-        {floor_map + " -i 'box.*'", 4, "no selected form is for spheres; try -i sphere.schoolbook+box.baseline"},
-        {floor_map + " -i sphere.press+sphere.unified", 2, "are both for spheres; name one form for each shape"},
-        {floor_map + " -i sphere.press+sdf.sphere_trace", 2, "marches along the field of all solids"},
-        {floor_map + " -i sphere.press+", 2, "no form stands on one side of a +"},
-        {floor_map + " -i sphere.pres+box.signs", 2, "did you mean \"sphere.press\"?"},
-        {"map near-benign -i sphere.press+box.signs", 4, "no selected form handles near-benign; try -i 'sphere.*'"},
-        {"render spheres-on-floor", 2, "has other solids too"},
-    };
-    for (const Bad& b : bad) {
-        const Scratch scratch;
-        const auto r = run(b.words + into(scratch));
-        INFO(b.words << "\n" << r.err);
-        CHECK(r.code == b.code);
-        CHECK(has(r.err, b.says));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
-    }
-    const auto r = run("explain spheres-on-floor --pixel 1,1 -i sphere.press");
-    CHECK(r.code == 2);
-    CHECK(has(r.err, "no selected form is for boxes; try -i sphere.press+box.inclusive"));
+    const std::string lacks_boxes = "no selected form is for boxes; try -i sphere.press+box.inclusive";
+    check_refused(Scratch(), floor_map + " -o out",
+                  {{"-i sphere.press", lacks_boxes, 4},
+                   {"-i 'box.*'", "no selected form is for spheres; try -i sphere.schoolbook+box.baseline", 4},
+                   {"-i sphere.press+sphere.unified", "are both for spheres; name one form for each shape"},
+                   {"-i sphere.press+sdf.sphere_trace", "marches along the field of all solids"},
+                   {"-i sphere.press+", "no form stands on one side of a +"},
+                   {"-i sphere.pres+box.signs", "did you mean \"sphere.press\"?"},
+                   {"-i 'sphere.*' -i 'box.*'",
+                    "make 308 sets, one form for each shape, and 200 are the most; name fewer forms"}});
+    check_refused(Scratch(), "",
+                  {{"map near-benign -i sphere.press+box.signs -o out",
+                    "no selected form handles near-benign; try -i 'sphere.*'", 4},
+                   {"render spheres-on-floor -o out", "has other solids too"},
+                   {"explain spheres-on-floor --pixel 1,1 -i sphere.press", lacks_boxes}});
 }
 
 TEST_CASE("a hit of the wrong solid says which shape that has") {
     const Scratch scratch;
     const std::string ray = "explain --sphere=0,0,0,1 --box=-2,-2,1,2,0.25,2 ";
     const std::string grazing = "--ray=0,0.9999999,-900,0,0,1 -f f32 ";
-    const auto wrong = run(ray + grazing + "-i sphere.schoolbook+box.signs");
-    INFO(wrong.out << wrong.err);
-    REQUIRE(wrong.code == 0);
+    const auto wrong = must(ray + grazing + "-i sphere.schoolbook+box.signs");
     CHECK(has(wrong.out, "It is a "));
     CHECK(has(run(ray + "--ray=0,0,-900,0,0,1 -i sphere.unified+box.signs").out,
               "It is a sphere, and sphere.unified is the form that is asked about it."));
-    REQUIRE(run("map spheres-on-floor -f f32 --size 64x32 -i sphere.schoolbook+box.signs" + into(scratch)).code == 0);
-    const auto row = read_csv(scratch.path() / "out/spheres-on-floor/summary.csv").front();
+    must("map spheres-on-floor -f f32 --size 64x32 -i sphere.schoolbook+box.signs" + into(scratch));
+    const auto row = read_csv(scratch / "out/spheres-on-floor/summary.csv").front();
     CHECK(row.at("fault_outcome") == "false_hit");
     CHECK(std::stoi(row.at("wrong_object")) > 0);
 }
@@ -120,10 +101,8 @@ TEST_CASE("answers to spheres and boxes together are judged against the nearest 
                                            "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-10,0,0,1,1,9\n0,1.5,-10,0,0,1,1,12\n"
                                            "1.5,0,-10,0,0,2,1,6\n0,9,-10,0,0,1,0,nan\n0,0,-10,0,0,1,1,12\n");
     const std::string solids = " --sphere 0,0,0,1 --box=-2,-2,2,2,2,3 --sphere 0,0,8,1";
-    const auto r = run("judge '" + file + "'" + solids + " -i sphere.unified+box.signs" + into(scratch));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto rows = read_csv(scratch.path() / "out/rays/summary.csv");
+    must("judge '" + file + "'" + solids + " -i sphere.unified+box.signs" + into(scratch));
+    const auto rows = read_csv(scratch / "out/rays/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("agree_hit") == "4");
     CHECK(rows[0].at("agree_miss") == "1");
@@ -132,10 +111,8 @@ TEST_CASE("answers to spheres and boxes together are judged against the nearest 
     CHECK(rows[1].at("form") == "sphere.unified+box.signs");
     CHECK(rows[1].at("ulp_error_max") == "0");
     // Its worst rays are a file of cases, of one shape or of both, which a sweep reads back.
-    const auto again = run("sweep '" + (scratch.path() / "out/rays/worst.toml").string() +
-                           "' -i sphere.unified -i box.signs" + into(scratch, "again"));
-    INFO(again.err);
-    CHECK(again.code == 0);
+    must("sweep '" + (scratch / "out/rays/worst.toml").string() + "' -i sphere.unified -i box.signs" +
+         into(scratch, "again"));
 }
 
 TEST_CASE("offsets, consistency and choices measure sets, with the same bytes on any threads and registers") {
@@ -145,18 +122,13 @@ TEST_CASE("offsets, consistency and choices measure sets, with the same bytes on
           std::string("consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32"),
           std::string("map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16")}) {
         INFO(words);
-        REQUIRE(run(words + " -j 1 --isa scalar" + into(scratch, "one")).code == 0);
-        REQUIRE(run(words + " -j 4" + into(scratch, "many")).code == 0);
-        const auto r = run("diff --strict '" + (scratch.path() / "one").string() + "' '" +
-                           (scratch.path() / "many").string() + "'");
-        INFO(r.out << r.err);
-        CHECK(r.code == 0);
-        std::filesystem::remove_all(scratch.path() / "one");
-        std::filesystem::remove_all(scratch.path() / "many");
+        must(words + " -j 1 --isa scalar" + into(scratch, "one"));
+        must(words + " -j 4" + into(scratch, "many"));
+        must("diff --strict '" + (scratch / "one").string() + "' '" + (scratch / "many").string() + "'");
+        fs::remove_all(scratch / "one");
+        fs::remove_all(scratch / "many");
     }
-    CHECK(
-        run("choose spheres-on-floor --size 8x4 --quick --bits 4 -i sphere.press -i box.signs" + into(scratch)).code ==
-        0);
+    must("choose spheres-on-floor --size 8x4 --quick --bits 4 -i sphere.press -i box.signs" + into(scratch));
 }
 
 }  // namespace test_sets

@@ -11,14 +11,13 @@
 namespace test_shell {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
 /// Through a shell of its own: what it printed, and how it ended.
 Outcome shell(const std::string& program, const std::string& script, const Scratch& scratch) {
     const std::string file = scratch.write("script", script);
-    const auto out = (scratch.path() / "said").string();
+    const auto out = (scratch / "said").string();
     const int status = std::system((program + " '" + file + "' >'" + out + "' 2>&1 </dev/null").c_str());
     return {status == 0 ? 0 : 1, contents(out), ""};
 }
@@ -34,7 +33,6 @@ std::set<std::string> offered(const std::vector<std::string>& words, const Scrat
     for (const std::string& word : words) script += " '" + word + "'";
     script += ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_lostbits\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
     const Outcome said = shell("bash", script, scratch);
-    INFO(said.out);
     CHECK(said.code == 0);
     std::set<std::string> all;
     std::istringstream in(said.out);
@@ -62,7 +60,7 @@ using Words = std::set<std::string>;
 
 TEST_CASE("bash completes commands, options, names and values") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     CHECK(offered({"ma"}, scratch) == Words{"manual", "map"});
     CHECK(offered({"map", "--metr"}, scratch) == Words{"--metric"});
     CHECK(offered({"map", "-i", "sphere.unifi"}, scratch) == Words{"sphere.unified", "sphere.unified_unit"});
@@ -98,8 +96,7 @@ TEST_CASE("bash completes every option of every command") {
 TEST_CASE("the scripts for zsh and fish are what those shells read") {
     const Scratch scratch;
     for (const std::string name : {"bash", "zsh", "fish"}) {
-        const auto r = run("completion " + name);
-        CHECK(r.code == 0);
+        const auto r = must("completion " + name);
         CHECK(has(r.out, "intersector"));
         if (!there_is(name)) continue;  // its syntax is read where it is installed
         const std::string file = scratch.write("completion", r.out);
@@ -113,20 +110,17 @@ TEST_CASE("the scripts for zsh and fish are what those shells read") {
                                 "' completion fish | psub)\n"
                                 "complete -C 'lostbits map --metr'\n",
                                 scratch);
-        INFO(said.out);
         CHECK(has(said.out, "--metric"));
     }
 }
 
 TEST_CASE("the manual page names every command and every option, and man reads it") {
     const Scratch scratch;
-    const auto page = run("manual");
-    REQUIRE(page.code == 0);
+    const auto page = must("manual");
     CHECK(page.out.starts_with(".TH LOSTBITS 1"));
     const std::string file = scratch.write("lostbits.1", page.out);
     if (!there_is("man")) return;
     const auto said = shell("bash", "MANWIDTH=100 man --warnings -l '" + file + "' | col -b\n", scratch);
-    INFO(said.out);
     CHECK(said.code == 0);
     CHECK_FALSE(has(said.out, "warning"));
     for (const char* words :
@@ -144,8 +138,8 @@ TEST_CASE("the manual page names every command and every option, and man reads i
 
 TEST_CASE("out: -o - writes the table to standard output, and leaves nothing else anywhere") {
     const Scratch scratch, temporary;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-5,0,0,1,1,4\n"));
+    scratch.write("mine.toml", good_scene);
+    scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-5,0,0,1,1,4\n");
     const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
     struct Case {
         std::string words, file;
@@ -158,25 +152,21 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
                           {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0", "sphere-tilt/samples.csv"},
                           {"sweep extremes/contact -i sphere.press -f f32", "contact/cases.csv"}};
     for (const Case& c : cases) {
-        const auto r = run(c.words + " -o -", scratch.path(), before);
-        INFO(c.words << "\n" << r.err);
-        CHECK(r.code == 0);
+        const auto r = must(c.words + " -o -", scratch.path(), before);
         CHECK_FALSE(has(r.err, temporary.path().string()));
         CHECK(temporary.files().empty());
-        CHECK_FALSE(fs::exists(scratch.path() / "-"));
-        REQUIRE(run(c.words + " -o out", scratch.path()).code == 0);
-        CHECK(r.out == contents(scratch.path() / "out" / c.file));
+        CHECK_FALSE(fs::exists(scratch / "-"));
+        must(c.words + " -o out", scratch.path());
+        CHECK(r.out == contents(scratch / "out" / c.file));
     }
-    static_cast<void>(run("map mine.toml -i sphere.press -f f32 -o - | true", scratch.path(), before));
+    run("map mine.toml -i sphere.press -f f32 -o - | true", scratch.path(), before);
     CHECK(temporary.files().empty());
     // Its times are of the run, so two tables of it differ.
-    const auto choice = run("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
-    CHECK(choice.code == 0);
+    const auto choice = must("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
     CHECK(choice.out.starts_with("form,format,isa,time_ns,"));
     CHECK(has(choice.out, "\nsphere.press,f32,"));
     CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
-    const auto csv = run("check --filter 'float.*' --export-csv -");
-    CHECK(csv.code == 0);
+    const auto csv = must("check --filter 'float.*' --export-csv -");
     CHECK(csv.out.starts_with("id,"));
     CHECK(has(csv.err, "confirmed"));
     // A confirmed verdict may be that the sentence is wrong.
@@ -188,23 +178,15 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
 
 TEST_CASE("standard output takes one table") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    static_cast<void>(scratch.write("other.toml", good_scene));
-    for (const auto& [words, says] :
-         {std::pair{"map mine.toml other.toml -i sphere.press -f f32 -o -", "name one subject"},
-          std::pair{"report near-benign --no-claims --size 8x8 -i sphere.press -f f32 -o -", "a page is not a table"},
-          std::pair{"check --filter 'float.*' --junit - --export-csv -", "takes one table, not two"}}) {
-        const auto r = run(words, scratch.path());
-        INFO(words << r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, says));
-        CHECK(r.out.empty());
-    }
+    for (const char* name : {"mine.toml", "other.toml"}) scratch.write(name, good_scene);
+    check_refused(scratch, "",
+                  {{"map mine.toml other.toml -i sphere.press -f f32 -o -", "name one subject"},
+                   {"report near-benign --no-claims --size 8x8 -i sphere.press -f f32 -o -", "a page is not a table"},
+                   {"check --filter 'float.*' --junit - --export-csv -", "takes one table, not two"}});
 }
 
 TEST_CASE("JUnit says how long each claim took") {
-    const auto r = run("check --filter 'float.*' --junit -");
-    REQUIRE(r.code == 0);
+    const auto r = must("check --filter 'float.*' --junit -");
     const std::regex time("<testcase [^>]*time=\"([0-9.]+)\"");
     double sum = 0;
     int cases = 0;
@@ -220,18 +202,13 @@ TEST_CASE("JUnit says how long each claim took") {
 TEST_CASE("what the documents call data/… is found from any folder, and what lies here under that name comes first") {
     const Scratch elsewhere;
     const std::string judge = "judge data/dumps/far-sphere.csv --format f32 --sphere 0,0,0,1 -o out";
-    const auto found = run(judge, elsewhere.path());
-    INFO(found.err);
-    CHECK(found.code == 0);
+    const auto found = must(judge, elsewhere.path());
     CHECK(has(found.out, "1536 rays of"));
-    const auto several =
-        run("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
-    INFO(several.err);
-    CHECK(several.code == 0);
-    CHECK(std::distance(fs::directory_iterator(elsewhere.path() / "swept"), fs::directory_iterator()) > 1);
-    fs::create_directories(elsewhere.path() / "data/dumps");
-    (void)elsewhere.write("data/dumps/far-sphere.csv", "ox,oy,oz,dx,dy,dz,t,hit\n0,0,-5,0,0,1,4,1\n");
-    CHECK(has(run(judge + "2", elsewhere.path()).out, "1 ray"));
+    must("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
+    CHECK(std::distance(fs::directory_iterator(elsewhere / "swept"), fs::directory_iterator()) > 1);
+    fs::create_directories(elsewhere / "data/dumps");
+    elsewhere.write("data/dumps/far-sphere.csv", "ox,oy,oz,dx,dy,dz,t,hit\n0,0,-5,0,0,1,4,1\n");
+    CHECK(has(run(judge + "2", elsewhere.path()).out, "1 ray of"));
     const auto none = run("judge data/dumps/none.csv --format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
     CHECK(none.code == 2);
     CHECK(has(none.err, "data/dumps/none.csv"));

@@ -1,4 +1,4 @@
-// `lostbits sweep` from the outside.
+// `lostbits sweep` from the outside: along axes, over named cases and, with --worst, over searches.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -22,22 +22,19 @@ std::string spoil(const std::string& what, const std::string& by) {
 TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
-    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16" + into(scratch, ""));
     for (const char* format : {"f32", "p16"}) {
         for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "false_hit", "false_miss"})
-            CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
+            CHECK(fs::exists(scratch / "s" / (std::string(plot) + "." + format + ".png")));
     }
-    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 2 * 2 * 20);
     for (const auto& row : samples) {
         CHECK(row.at("rays") == "64");
         CHECK(number_in(row.at("distance_radii_hex")) == number_in(row.at("distance_radii")));
     }
     std::size_t found = 0, spread = 0, backwards = 0, of_bits = 0;
-    for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
+    for (const auto& row : read_csv(scratch / "s/onsets.csv")) {
         if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
         ++found;
         const double good = number_in(row.at("last_good_distance_radii")),
@@ -69,50 +66,28 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     const std::string what = "sweep '" + file +
                              "' -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
                              "--metric cancellation:c --metric contribution:c -q -o '";
-    REQUIRE(run(what + scratch.path().string() + "'").code == 0);
+    must(what + scratch.path().string() + "'");
     for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png",
                              "culprit.sphere.unified.f32.png"}) {
         INFO(name);
-        CHECK_FALSE(contents(scratch.path() / "s" / name).empty());
+        CHECK_FALSE(contents(scratch / "s" / name).empty());
     }
     std::map<std::pair<std::string, std::string>, std::pair<std::string, double>>
         steps;  // the first operation of each step, and all shares
-    for (const auto& row : read_csv(scratch.path() / "s/culprits.csv")) {
+    for (const auto& row : read_csv(scratch / "s/culprits.csv")) {
         auto& [first, shares] = steps[{row.at("form"), row.at("distance_radii")}];
         if (first.empty()) first = row.at("operation");
         shares += number_in(row.at("culprit_fraction"));
         CHECK(number_in(row.at("culprit_rays")) > 0);
     }
     CHECK(steps.size() == 40);
-    for (const auto& row : read_csv(scratch.path() / "s/samples.csv")) {
+    for (const auto& row : read_csv(scratch / "s/samples.csv")) {
         const auto& [first, shares] = steps.at({row.at("form"), row.at("distance_radii")});
         CHECK(row.at("culprit") == first);
         CHECK(std::fabs(shares - 1) < 1e-12);
         CHECK_FALSE(row.at("contribution_c_p50").empty());
         CHECK_FALSE(number_in(row.at("cancellation_c_max")) > number_in(row.at("cancellation_max")));
     }
-    const auto refused =
-        run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk" + into(scratch, "no"));
-    CHECK(refused.code == 2);
-    CHECK(refused.err.find("did you mean \"disc\"") != std::string::npos);
-    const std::string search = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[search]
-origin = [-8, 8]
-direction = [-1, 1]
-centre = [-1, 1]
-radius = [0.5, 2]
-metric = "culprit"
-seed = 1
-starts = 2
-generations = 2
-)";
-    const auto worst =
-        run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook" + into(scratch, "no"));
-    CHECK(worst.code == 2);
-    CHECK(worst.err.find("names an operation and has no largest value") != std::string::npos);
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
 }
 
 TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
@@ -131,18 +106,14 @@ steps = 4
 set = ["sphere[0].radius", "sphere[1].radius"]
 factors = [1, 0.5]
 )");
-    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
+    const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 4);
     // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
     CHECK(number_in(samples[0].at("agree_hit")) < number_in(samples[3].at("agree_hit")));
-    REQUIRE(
-        run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" +
-            scratch.path().string() + "'")
-            .code == 0);
-    CHECK(read_csv(scratch.path() / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
+    must("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32" +
+         into(scratch, ""));
+    CHECK(read_csv(scratch / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
 }
 
 TEST_CASE("two axes give the product of their steps, every_float every float") {
@@ -151,43 +122,125 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
         "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
         "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
     const std::string file = scratch.write("s.toml", small_sweep + second);
-    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
-    CHECK(std::filesystem::exists(scratch.path() / "s/sphere.unified.f32.png"));
-    CHECK(!std::filesystem::exists(scratch.path() / "s/onsets.csv"));  // an onset is a place on one axis
+    must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
+    CHECK(read_csv(scratch / "s/samples.csv").size() == 20 * 5);
+    CHECK(fs::exists(scratch / "s/sphere.unified.f32.png"));
+    CHECK(!fs::exists(scratch / "s/onsets.csv"));  // an onset is a place on one axis
 }
 
 TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
-    struct Case {
-        std::string text;
-        const char* says;
-    };
-    const Case cases[] = {
-        {spoil("distance\"]", "distanse\"]"), "distance"},
-        {spoil("spacing = \"log2\"", "spacing = \"log\""), "log2"},
-        {spoil("from = 2", "from = -2"), "positive"},
-        {spoil("from = 2", "from = 1048576"), "equals"},
-        {spoil("steps = 20", "steps = 1"), "steps"},
-        {spoil("rays = 16", "rays = 0"), "rays"},
-        {spoil("views = 4", "vews = 4"), "views"},
-        {spoil("name = \"distance_radii\"", "name = \"Distance (r)\""), "lower-case"},
-        {spoil("[family]", "scene = \"near-benign\"\n[family]"), "either"},
-        {spoil("to = 1048576", "to = \"0x1p200\""), "distance"},
-    };
-    for (const Case& c : cases) {
-        const Scratch scratch;
-        INFO(c.text);
-        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press" + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == 2);
-        CHECK(r.err.find(c.says) != std::string::npos);
-        CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
+    // tests/scene/sweep has what else can be wrong with a file.
+    const Scratch scratch;
+    const std::string culprit =
+        "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-8, 8]\n"
+        "direction = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\nmetric = \"culprit\"\nseed = 1\nstarts = 2\n"
+        "generations = 2\n";
+    const std::pair<const char*, std::string> files[] = {
+        {"set.toml", spoil("distance\"]", "distanse\"]")},
+        {"equal.toml", spoil("from = 2", "from = 1048576")},
+        {"both.toml", spoil("[family]", "scene = \"near-benign\"\n[family]")},
+        {"far.toml", spoil("to = 1048576", "to = \"0x1p200\"")},
+        {"culprit.toml", culprit}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    check_refused(scratch, "sweep -i sphere.schoolbook -o out",
+                  {{"set.toml", "set.toml:16:"},
+                   {"equal.toml", "equals"},
+                   {"both.toml", "either"},
+                   {"far.toml", "distance"},
+                   {"sphere-distanc", "sphere-distance"},
+                   {"sphere-distance --metric contribution:disk", "did you mean \"disc\""},
+                   {"culprit.toml --worst", "names an operation and has no largest value"}});
+}
+
+namespace {
+
+const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A 'test'\"\nsource = \"-\"\n";
+const std::string small_cases = head + R"([[case]]
+name = "one, ahead"
+spheres = [{ centre = [0, 0, 5], radius = 2 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+)";
+const std::string small_search = head + R"([search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+distance_radii = [1.25, 8]
+impact_radii = [0, 0.9]
+starts = 2
+generations = 8
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothing") {
+    const Scratch scratch;
+    const std::pair<const char*, std::string> files[] = {
+        {"cases.toml", small_cases},
+        {"search.toml", small_search},
+        {"family.toml", head + "[family]\n[[axis]]\n"},
+        {"bit.toml", small_search + "metric = \"lost_bit\"\n"},
+        {"glob.toml", small_search + "metric = \"lost*\"\n"},
+        {"radius.toml", replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]")},
+        {"nan.toml", replaced(small_cases, "radius = 2", "radius = \"nan\"")},
+        {"emax.toml", replaced(small_cases, "name =", "lengths = \"emax/3\"\nname =")}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    // A good file in front of it is not begun.
+    check_refused(scratch, "sweep -i sphere.press -f f32 -o out",
+                  {{"extremes/contact search.toml",
+                    "search.toml:1:1: this file has a table of a search, which only --worst uses; add --worst"},
+                   {"extremes/contact nan.toml", "nan.toml:6:43: is nan, which is allowed in rays only"},
+                   {"extremes/contact emax.toml", "emax.toml:5:11: "},
+                   {"worst/near cases.toml --worst", "cases.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near family.toml --worst", "family.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near bit.toml --worst", "did you mean \"lost_bits\""},
+                   {"worst/near glob.toml --worst", "is not a metric"},
+                   {"worst/near radius.toml --worst", "radius.toml:8:10: "}});
+    check_refused(scratch, "sweep -i 'box.*' -f f32 -o out cases.toml", {{"", "no selected form handles", 4}});
+}
+
+TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
+    const Scratch scratch;
+    const std::string out = " -q" + into(scratch), loud = out.substr(3);
+    const auto said = [&](const std::string& command) { return run(command + loud).err; };
+    const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
+    const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";
+    const std::string unseen =  // as small a sphere lies between the rays
+        "lostbits: scene s: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, look_at and "
+        "width or fov\n";
+    for (const std::string command : {"map ", "render "}) {
+        const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
+        CHECK(said(asked) == note + (command == "map " ? unseen : ""));
+        CHECK(run(asked + out).err.empty());
     }
-    const auto unknown = run("sweep sphere-distanc -o out");
-    CHECK(unknown.code == 2);
-    CHECK(unknown.err.find("sphere-distance") != std::string::npos);
+    CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
+
+    const std::string sweep = scratch.write("w.toml", head + R"([family]
+views = 2
+rays = 2
+[[axis]]
+name = "size"
+spacing = "log2"
+from = "0x1p-30"
+to = "0x1p-22"
+steps = 9
+set = ["radius"]
+)");
+    // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
+    CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
+          "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");
+
+    const auto cases = [&](const std::string& radius) {
+        const std::string text = replaced(small_cases, "radius = 2", "radius = " + radius);
+        return said("sweep '" + scratch.write("c.toml", text) + "' -i sphere.press -f fp16 -f f32");
+    };
+    CHECK(cases("1e-9") == "lostbits: c in fp16: radius = 1e-09 rounds to 0 (case \"one, ahead\")\n");
+    CHECK(cases("1e6") == "lostbits: c in fp16: radius = 1e+06 rounds to infinity (case \"one, ahead\")\n");
+    for (const char* meant : {"\"tiny\"", "\"min\"", "\"max\""}) CHECK(cases(meant).empty());
 }
 
 }  // namespace test_sweep

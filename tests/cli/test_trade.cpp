@@ -13,45 +13,24 @@ using namespace lostbits::test;
 
 namespace {
 
-double number(const std::string& cell) { return std::strtod(cell.c_str(), nullptr); }
-
-const std::string same_family = R"(schema = "lostbits-sweep/1"
-title = "The easy rays and those far away"
-source = "-"
-
-[family]
-projection = "parallel"
-impact_to = 0.9
-
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 4
-to = 4096
-steps = 2
-set = ["distance"]
-)";
-
 const char* const quick = "trade --quick --repetitions 2 ";
 
 }  // namespace
 
 TEST_CASE("trade times every kernel on every load and judges it on every set") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const auto folder = scratch.path() / "sphere";
+    const auto r = must(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
+                        scratch.path().string() + "'");
+    const auto folder = scratch / "sphere";
     const auto times = read_csv(folder / "trade.csv"), standings = read_csv(folder / "pareto.csv");
     std::set<std::string> kernels, isas;
     for (const auto& row : times) {
         kernels.insert(row.at("form") + row.at("format") + row.at("isa"));
         isas.insert(row.at("isa"));
-        CHECK(number(row.at("time_ns")) > 0);
-        CHECK(number(row.at("time_ns_q1")) <= number(row.at("time_ns_q3")));
-        CHECK(number(row.at("rays_per_second")) > 0);
-        CHECK(number(row.at("working_set_bytes")) > number(row.at("working_set_rays")));
+        CHECK(number_in(row.at("time_ns")) > 0);
+        CHECK(number_in(row.at("time_ns_q1")) <= number_in(row.at("time_ns_q3")));
+        CHECK(number_in(row.at("rays_per_second")) > 0);
+        CHECK(number_in(row.at("working_set_bytes")) > number_in(row.at("working_set_rays")));
         CHECK(row.at("ops_sqrt") == "1");
     }
     CHECK(isas.contains("scalar"));
@@ -60,15 +39,14 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
     CHECK(kernels.size() >= 5 * isas.size());
     CHECK(standings.size() == kernels.size() * 4);
     for (const char* set : {"easy", "far-small", "near-huge", "grazing"}) {
-        CHECK(std::filesystem::exists(folder / (std::string(set) + ".png")));
+        CHECK(fs::exists(folder / (std::string(set) + ".png")));
         const auto of_set = [set](const auto& row) { return row.at("ray_set") == set; };
         CHECK(
             std::ranges::any_of(standings, [&](const auto& row) { return of_set(row) && row.at("dominated") == "0"; }));
-        CHECK(r.out.find(std::string("\n") + set + ": ") != std::string::npos);
+        CHECK(has(r.out, std::string("\n") + set + ": "));
     }
-    CHECK(r.out.find(
-              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere.") !=
-          std::string::npos);
+    CHECK(has(r.out,
+              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere."));
     CHECK(r.out.starts_with(contents(folder / "trade.txt")));
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     CHECK(package["resources"].size() == 2);
@@ -76,40 +54,12 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
     CHECK(package["resources"][1]["schema"]["fields"].size() == standings.front().size());
 }
 
-TEST_CASE("the accuracy of a trade is that of a sweep over the same rays") {
-    const Scratch scratch;
-    const std::string forms = " -i '*press*' -i sphere.unit_half_b -o '" + scratch.path().string() + "'";
-    REQUIRE(run(quick + forms).code == 0);
-    REQUIRE(run("sweep '" + scratch.write("s.toml", same_family) + "'" + forms).code == 0);
-    const auto standings = read_csv(scratch.path() / "sphere/pareto.csv"),
-               samples = read_csv(scratch.path() / "s/samples.csv");
-    std::size_t compared = 0;
-    for (const auto& row : standings) {
-        const std::string distance = row.at("ray_set") == "easy" ? "4" : row.at("ray_set") == "far-small" ? "4096" : "";
-        const auto sample = std::ranges::find_if(samples, [&](const auto& s) {
-            return s.at("form") == row.at("form") && s.at("format") == row.at("format") &&
-                   s.at("distance_radii") == distance;
-        });
-        if (distance.empty() || row.at("form").find('+') != std::string::npos) continue;
-        REQUIRE(sample != samples.end());
-        for (const char* column : {"rays", "lost_bits_p50", "lost_bits_p99", "excess_bits_p99", "false_hit_fraction",
-                                   "false_miss_fraction"}) {
-            INFO(row.at("form") << " " << column);
-            CHECK(row.at(column) == sample->at(column));
-        }
-        ++compared;
-    }
-    CHECK(compared >= 2 * 2 * 2 * 2);  // forms, formats, distances, and at least two widths
-}
-
 TEST_CASE("boxes have a trade of their own") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
+                        scratch.path().string() + "'");
     CHECK(r.out.empty());
-    const auto standings = read_csv(scratch.path() / "box/pareto.csv");
+    const auto standings = read_csv(scratch / "box/pareto.csv");
     // A padded box has no false miss at its edges; what that costs is false hits.
     std::size_t padded = 0;
     for (const auto& row : standings) {
@@ -119,26 +69,24 @@ TEST_CASE("boxes have a trade of their own") {
         CHECK(row.at("false_miss_fraction") == "0");
     }
     CHECK(padded > 0);
-    CHECK(std::filesystem::exists(scratch.path() / "box/edge-grazing.png"));
+    CHECK(fs::exists(scratch / "box/edge-grazing.png"));
 }
 
 TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of the map") {
     const Scratch scratch, maps;
     const std::string what = "near-benign --size 40x30 -i sphere.schoolbook -i sphere.filtered ";
-    const auto r = run(quick + std::string("--scene ") + what + "-o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    REQUIRE(run("map " + what + "-f f32 -f f64 -o '" + maps.path().string() + "'").code == 0);
-    const auto times = read_csv(scratch.path() / "near-benign/trade.csv"),
-               standings = read_csv(scratch.path() / "near-benign/pareto.csv"),
-               summary = read_csv(maps.path() / "near-benign/summary.csv");
+    const auto r = must(quick + std::string("--scene ") + what + "-o '" + scratch.path().string() + "'");
+    must("map " + what + "-f f32 -f f64" + into(maps, ""));
+    const auto times = read_csv(scratch / "near-benign/trade.csv"),
+               standings = read_csv(scratch / "near-benign/pareto.csv"),
+               summary = read_csv(maps / "near-benign/summary.csv");
     CHECK(times.size() == standings.size());
     for (const auto& row : times) {
         CHECK(row.at("working_set") == "scene");
         CHECK(row.at("working_set_rays") == "1200");
-        CHECK(number(row.at("hit_rate")) > 0);
-        CHECK(number(row.at("hit_rate")) < 1);
-        CHECK(number(row.at("time_ns")) > 0);
+        CHECK(number_in(row.at("hit_rate")) > 0);
+        CHECK(number_in(row.at("hit_rate")) < 1);
+        CHECK(number_in(row.at("time_ns")) > 0);
     }
     std::set<std::string> isas, compared;
     for (const auto& row : standings) {
@@ -151,52 +99,32 @@ TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of th
         compared.insert(row.at("form") + row.at("format"));
         for (const char* column : {"lost_bits_p50", "lost_bits_p99", "false_miss_fraction"})
             CHECK(row.at(column) == same->at(column));
-        const double wrong = number(same->at("false_hit")) + number(same->at("false_miss")) +
-                             number(same->at("not_a_number")) + number(same->at("wrong_object"));
-        CHECK(number(row.at("wrong_fraction")) == wrong / 1200);
+        const double wrong = number_in(same->at("false_hit")) + number_in(same->at("false_miss")) +
+                             number_in(same->at("not_a_number")) + number_in(same->at("wrong_object"));
+        CHECK(number_in(row.at("wrong_fraction")) == wrong / 1200);
     }
     CHECK(compared.size() == 4);
     CHECK(isas.size() >= 2);
-    CHECK(std::filesystem::exists(scratch.path() / "near-benign/near-benign.png"));
+    CHECK(fs::exists(scratch / "near-benign/near-benign.png"));
     CHECK(has(r.out, "1200 rays of the scene against"));
     CHECK(has(r.out, "\nnear-benign: "));
 }
 
 TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
-    struct Case {
-        const char* options;
-        int code;
-        const char* says;
-    };
-    const Case cases[] = {{"-f bf16", 2, "only f32 and f64"},
-                          {"-f f31", 2, "f32"},
-                          {"--shape teapot", 2, "teapot"},
-                          {"-i box.signs", 4, "sphere.*"},
-                          {"--shape box -i 'sphere.*'", 4, "box.*"},
-                          {"-i sphere.unifed", 2, "sphere.unified"},
-                          {"--repetitions 0", 2, "repetitions"},
-                          {"--size 8x8", 2, "--scene"},
-                          {"--variant r1e6", 2, "--scene"},
-                          {"--set sphere[0].radius=2", 2, "--scene"},
-                          {"--scene near-benign --shape sphere", 2, "--shape"},
-                          {"--scene near-bening", 2, "near-benign"},
-                          {"--scene rtg-fig-7-4", 2, "rtg-fig-7-4.r1e6"},
-                          {"--scene near-benign -i 'box.*'", 4, "sphere.*"},
-                          {"--scene near-benign --size 8x", 2, "8x"},
-                          {"--scene near-benign --set sphere[0].radius=-2", 2, "radius"},
-                          {"-f f64 -i sphere.double_inside", 4, "exists"}};
-    for (const Case& c : cases) {
-        const Scratch scratch;
-        INFO(c.options);
-        const auto r = run(std::string("trade --quick ") + c.options + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == c.code);
-        CHECK(r.err.find(c.says) != std::string::npos);
-        CHECK(scratch.files().empty());
-    }
-    CHECK(run("trade --quick -o ''").code == 2);
-    CHECK(run("trade --quick").code == 2);
-    CHECK(run("trade --quick -i sphere.press -o /dev/null/here").code == 3);
+    check_refused(Scratch(), "trade --quick -o out",
+                  {{"-f bf16", "only f32 and f64"},
+                   {"--shape teapot", "teapot"},
+                   {"-i box.signs", "sphere.*", 4},
+                   {"--shape box -i 'sphere.*'", "box.*", 4},
+                   {"--repetitions 0", "repetitions"},
+                   {"--size 8x8", "--scene"},
+                   {"--variant r1e6", "--scene"},
+                   {"--set sphere[0].radius=2", "--scene"},
+                   {"--scene near-benign --shape sphere", "--shape"},
+                   {"--scene near-bening", "near-benign"},
+                   {"--scene rtg-fig-7-4", "rtg-fig-7-4.r1e6"},
+                   {"--scene near-benign -i 'box.*'", "sphere.*", 4}});
+    check_refused(Scratch(), "trade --quick -i sphere.press -o /dev/null/here", {{"", "/dev/null/here", 3}});
 }
 
 }  // namespace test_trade

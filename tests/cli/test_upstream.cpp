@@ -12,7 +12,6 @@
 namespace test_upstream {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -60,7 +59,7 @@ void hold(std::size_t half) {
         const bool script = blocks[0].language == "js";
         const std::string command = blocks[0].lines.at(0).substr(3);
         const Scratch scratch;
-        (void)scratch.write(script ? "r.mjs" : "r.cpp", blocks[0].text());
+        scratch.write(script ? "r.mjs" : "r.cpp", blocks[0].text());
         if (script && fs::exists(npm())) fs::create_directory_symlink(fs::canonical(npm()), scratch / "node_modules");
         const std::string build = command.substr(0, command.find(" && "));
         if (!installed(scratch, build, blocks[0].text())) {

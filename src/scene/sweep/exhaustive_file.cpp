@@ -143,7 +143,8 @@ void ExhaustiveFile::read_solid(TableReader& file) {
     std::string tables;
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
-        tables += (tables.empty() ? "a [" : " or a [") + std::string(row.name) + "]";
+        std::string table = with_article(row.shape) + "]";
+        tables += (tables.empty() ? "" : " or ") + table.insert(table.find(' ') + 1, "[");
         if (file.has(row.name)) found.push_back(row.shape);
     }
     if (found.size() != 1)

@@ -4,6 +4,7 @@
 #define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(shapes/folder/family/family.hpp)
 // clang-format on
 #include "shapes/list.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::sweep {
 namespace {
@@ -32,7 +33,8 @@ std::string tables_of_families() {
     for (const FamilyRow& row : families()) {
         const bool last = &row == &families().back();
         if (!text.empty()) text += last ? " or " : ", ";
-        text += "a [" + std::string(row.table) + "]";
+        const std::string shape = with_article(row.shape);
+        text += shape.substr(0, shape.find(' ')) + " [" + std::string(row.table) + "]";
     }
     return text + " table";
 }
