@@ -17,7 +17,7 @@
 #include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
-#include "output/file/estimate.hpp"
+#include "output/file/progress.hpp"
 #include "output/file/progress.hpp"
 #include "output/file/result_folder.hpp"
 
