@@ -18,7 +18,6 @@
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
-#include "output/file/progress.hpp"
 #include "output/file/result_folder.hpp"
 
 namespace lostbits::analysis {
