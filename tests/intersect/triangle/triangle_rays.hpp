@@ -2,6 +2,8 @@
 // coordinates by Gram's determinants. No form and no truth computes it this way.
 #pragma once
 
+#include <array>
+
 #include "intersect/exact.hpp"
 #include "intersect/info.hpp"
 #include "measure/seeded.hpp"
