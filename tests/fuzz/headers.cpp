@@ -1,5 +1,4 @@
 #include "fuzz/fuzz.hpp"
-#include "intersect/doors/greeting.hpp"
 #include "intersect/doors/pipe_header.hpp"
 
 namespace lostbits::fuzz {

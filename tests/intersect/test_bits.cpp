@@ -40,9 +40,10 @@ TEMPLATE_TEST_CASE("a row and its rounded numbers of the same format are the sam
                    double) {
     using S = TestType;
     for (const ShapeRow& shape : shape_rows) {
-        const std::vector<Scene<S>> all = draw_scenes<S>(shape.shape, shape.name == "torus" ? 2 : 10);
+        const std::vector<Scene<S>> all = draw_scenes<S>(shape.shape, share(shape.shape, 32));
         for (const Intersector& row : intersect::table::intersectors(shape.shape)) {
-            if (!native_of<S>(row) || !row.rounded) continue;
+            // What filters goes on in double from float, and in two words from a format that no register has.
+            if (!native_of<S>(row) || !row.rounded || row.way) continue;
             Tally tally;
             std::size_t wrong = 0;
             for (const Scene<S>& scene : all) {

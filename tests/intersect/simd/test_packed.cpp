@@ -11,7 +11,7 @@ namespace {
 /// Each form of the shape at every width against its scalar row.
 template <class S>
 void compare_forms(Shape shape) {
-    const std::vector<Scene<S>> all = draw_scenes<S>(shape, shape == Shape::torus ? 10 : 50);
+    const std::vector<Scene<S>> all = draw_scenes<S>(shape, share(shape, 100));
     const auto native = intersect::simd::packed_rows(Isa::scalar);
     for (std::size_t form = 0; form < native.size(); ++form) {
         if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
@@ -67,7 +67,7 @@ TEMPLATE_TEST_CASE("packed kernels take batches of any size and touch nothing be
                    float, double) {
     Random random(3);
     for (const ShapeRow& row : shape_rows)
-        for (int i = 0; i < 2; ++i) compare_sizes(row.shape, draw_scene<TestType>(random, row.shape, 2 * widest + 1));
+        compare_sizes(row.shape, draw_scene<TestType>(random, row.shape, share(row.shape, 32) + 1));
 }
 
 TEST_CASE("a packed box kernel heeds where each ray ends", "[intersect][packed]") {

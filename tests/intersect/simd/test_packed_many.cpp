@@ -96,7 +96,7 @@ void compare(Shape shape) {
     Random random(11);
     const auto native = intersect::simd::packed_rows(Isa::scalar);
     std::vector<Drawn<S>> all;
-    for (std::size_t k = 0; k < (shape == Shape::torus ? 40U : 160U); ++k)
+    for (std::size_t k = 0; k < std::max<std::size_t>(40, share(shape, 160)); ++k)
         all.push_back(draw<S>(random, shape, k, 2 * widest + 3));
     for (std::size_t form = 0; form < native.size(); ++form) {
         if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;

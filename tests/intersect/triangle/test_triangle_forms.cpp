@@ -1,4 +1,4 @@
-// Triangle forms on the rim, where they cull, what they name, and what each says of itself.
+// Triangle forms on the rim, where they cull, and what they name.
 #include <map>
 #include <set>
 #include <string_view>
@@ -11,7 +11,6 @@
 
 namespace lostbits::test::test_triangle_forms {
 
-using intersect::Info;
 using intersect::triangle::TriangleForms;
 
 namespace {
@@ -97,22 +96,6 @@ TEST_CASE("the weights that a form names are those of a, b and c", "[intersect][
         CHECK((told[Form::info.name] > 100) == (Form::info.name != "triangle.filtered"));
         CHECK(wrong[Form::info.name] == 0);
     });
-}
-
-TEST_CASE("triangle forms have names, titles, sources and one t", "[intersect][info]") {
-    std::set<std::string_view> names, titles, passes_over;
-    TriangleForms::for_each([&]<class Form>() {
-        const Info& info = Form::info;
-        INFO(info.name);
-        CHECK(names.insert(info.name).second);
-        CHECK(titles.insert(info.title).second);
-        CHECK(info.name.starts_with("triangle."));
-        CHECK_FALSE(info.source.empty());
-        CHECK(info.roots == intersect::Roots::first_only);
-        if (info.at_origin == intersect::AtOrigin::miss) passes_over.insert(info.name);
-    });
-    CHECK(passes_over == std::set<std::string_view>{"triangle.undivided", "triangle.woop", "triangle.woop_double",
-                                                    "triangle.pbrt", "triangle.baldwin_weber"});
 }
 
 }  // namespace lostbits::test::test_triangle_forms
