@@ -1,4 +1,5 @@
 #include "fuzz/fuzz.hpp"
+#include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe_header.hpp"
 
 namespace lostbits::fuzz {
