@@ -1,10 +1,16 @@
 // Fractions, in which tests answer what forms are asked.
 #pragma once
 
+#include <array>
+
 #include <boost/multiprecision/gmp.hpp>
 
 namespace lostbits::test {
 
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
+
+inline Rational dot(const std::array<Rational, 3>& u, const std::array<Rational, 3>& v) {
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
 
 }  // namespace lostbits::test
