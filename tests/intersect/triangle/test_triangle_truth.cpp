@@ -137,9 +137,8 @@ TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth
 TEST_CASE("rays through edges and vertices, and from the triangle, are settled in packs", "[truth][triangle]") {
     const auto before = intersect::simd::current_isa();
     std::map<std::string, std::vector<TriangleSample>> asked;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily& family, const TriangleSample& s) {
-        asked[family.name].push_back(s);
-    });
+    for_each_triangle(static_cast<int>(draws(2000)),
+                      [&](const TriangleFamily& family, const TriangleSample& s) { asked[family.name].push_back(s); });
     for (const auto& [name, rays] : asked) {
         const Floats floats(rays);
         for (const Convention& convention : {Convention(), Convention(Touching::miss), Convention(AtOrigin::miss)}) {
