@@ -4,7 +4,7 @@
 # - GCC 12.2 forgets to round where two doubles side by side become floats and doubles again: at -O2, the function
 #   `Pair f(double a, double b) { return {(float)a, (float)b}; }` of a struct of two doubles returns a and b. Its
 #   vectorizer of straight-line code makes one conversion of the two, which a later pass takes for nothing. (Rays of
-#   binary32 had 53 bits so, once a change of unrelated code had made the compiler look there.) `test_roundings` tries it.
+#   binary32 had 53 bits so, once a change of unrelated code had made the compiler look there.) `test_contraction` tries it.
 set(LOSTBITS_ARITHMETIC_FLAGS -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 
 # Object libraries for one register width each. What is compiled here must have names that nothing else has: the test

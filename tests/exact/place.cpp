@@ -1,4 +1,4 @@
-#include "exact/place.hpp"
+#include "exact/draw.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -228,18 +228,21 @@ inline Whole nearest(const Whole&, const Whole&) { return Whole(); }
 /// With p from the centre, R and r the radii and n the axis, the part of p across n has the length ρ, n² ρ² = n² p² −
 /// (n·p)², and (ρ − R)² + (p² − ρ²) = r²: (p² + R² − r²)² = 4 R² ρ².
 template <class E>
-First<E> meet_torus(const Asked<E>& q) {
+Sturm<E> quartic_of(const Asked<E>& q) {
     const E &major = q.n[6], &minor = q.n[7];
     const Vector<E> f = q.o - q.point(0), n = q.point(3);
     const E a = dot(q.d, q.d), origin = nearest(dot(f, q.d), a), two(2);
     const Vector<E> p = f + origin * q.d;
     const E n2 = dot(n, n), b = dot(p, q.d), c = dot(p, p), np = dot(n, p), nd = dot(n, q.d);
     const E e = c + (major + minor) * (major - minor), b2 = two * b, k = two * major * (two * major);
-    const Sturm<E> sturm(
-        {{n2 * (e * e) - k * (n2 * c - np * np), two * (n2 * (e * b2) - k * (n2 * b - np * nd)),
-          n2 * (b2 * b2 + two * (e * a)) - k * (n2 * a - nd * nd), two * (n2 * (b2 * a)), n2 * (a * a)},
-         4},
-        origin);
+    return Sturm<E>({{n2 * (e * e) - k * (n2 * c - np * np), two * (n2 * (e * b2) - k * (n2 * b - np * nd)),
+                      n2 * (b2 * b2 + two * (e * a)) - k * (n2 * a - nd * nd), two * (n2 * (b2 * a)), n2 * (a * a)},
+                     4},
+                    origin);
+}
+template <class E>
+First<E> meet_torus(const Asked<E>& q) {
+    const Sturm<E> sturm = quartic_of(q);
     const E& from = number_of(q.counted.from);
     const int before = sturm.up_to(from), index = before + (sturm.is_root(from) && !q.counted.open_from ? 0 : 1);
     if (index > sturm.all()) return std::nullopt;

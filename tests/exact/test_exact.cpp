@@ -8,7 +8,7 @@
 
 #include "catch.hpp"
 #include "exact/ask.hpp"
-#include "exact/place.hpp"
+#include "exact/draw.hpp"
 
 namespace test_exact {
 

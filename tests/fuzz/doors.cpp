@@ -8,7 +8,7 @@
 #include "analysis/shard/division.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "fuzz/fuzz.hpp"
-#include "intersect/doors/greeting.hpp"
+#include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe_header.hpp"
 #include "intersect/shader/compiler_log.hpp"

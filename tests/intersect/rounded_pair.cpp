@@ -1,4 +1,4 @@
-#include "intersect/rounded_pair.hpp"
+#include "intersect/contraction.hpp"
 
 namespace lostbits::test {
 

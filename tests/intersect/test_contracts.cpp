@@ -1,50 +1,55 @@
 // What each form says of itself.
 #include <set>
+#include <string>
 #include <string_view>
 
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/table/table.hpp"
+#include "intersect/takes.hpp"
 
 namespace lostbits::test {
 
 using intersect::Info;
-using intersect::sphere::SphereForms;
 
-TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
-    std::set<std::string_view> names, titles;
-    SphereForms::for_each([&]<class Form>() {
+TEST_CASE("forms have names, titles and sources, and the table shows them in the catalogue's order",
+          "[intersect][info]") {
+    std::set<std::string> names, titles;
+    std::size_t i = 0;
+    intersect::for_each_form([&]<class Form>() {
         const Info& info = Form::info;
         INFO(info.name);
-        CHECK(names.insert(info.name).second);
-        CHECK(titles.insert(info.title).second);
-        CHECK(info.name.substr(0, 7) == "sphere.");
-        CHECK(info.name.size() > 7);
-        CHECK(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 7) == std::string_view::npos);
+        const std::string shape = std::string(name_of(intersect::shape_of<Form>)) + '.';
+        CHECK(names.emplace(info.name).second);
+        // Of the other shapes several forms do the same in another order, which their sources tell.
+        if (intersect::shape_of<Form> <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
+        CHECK(info.name.starts_with(shape));
+        CHECK(info.name.size() > shape.size());
+        CHECK(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", shape.size()) ==
+              std::string_view::npos);
         CHECK_FALSE(info.title.empty());
         CHECK_FALSE(info.source.empty());
-    });
-    CHECK(names.size() == SphereForms::size);
-}
 
-TEST_CASE("the table shows every form in the catalogue's order", "[intersect][info]") {
-    const auto rows = intersect::table::intersectors(Shape::sphere);
-    REQUIRE(rows.size() == SphereForms::size);
-    std::size_t i = 0;
-    SphereForms::for_each([&]<class Form>() {
-        const intersect::table::Intersector& row = rows[i++];
-        INFO(Form::info.name);
+        const intersect::table::Intersector& row = intersect::table::catalogue()[i++];
         CHECK(row.info == &Form::info);
         CHECK(row.native32 != nullptr);
         CHECK(row.ball != nullptr);
         CHECK(row.interval != nullptr);
+        CHECK((row.log != nullptr) == intersect::marches<Form>);
         const bool everywhere = Form::info.formats == intersect::Formats::all;
         CHECK((row.native64 != nullptr) == everywhere);
         CHECK((row.rounded != nullptr) == everywhere);
         CHECK(row.exists_in(*find_format("f32")));
         for (const char* format : {"f64", "fp16", "bf16", "tf32", "p24", "p53"})
             CHECK(row.exists_in(*find_format(format)) == everywhere);
+        // What a box, a triangle or a march is asked says more.
+        if (intersect::shape_of<Form> == Shape::box)
+            CHECK((info.direction == intersect::Direction::any && info.roots == intersect::Roots::both && everywhere));
+        if (intersect::shape_of<Form> == Shape::triangle) CHECK(info.roots == intersect::Roots::first_only);
+        if (intersect::marches<Form>)
+            CHECK((info.direction == intersect::Direction::unit && info.roots == intersect::Roots::first_only));
     });
+    CHECK(i == intersect::table::catalogue().size());
 }
 
 TEST_CASE("the seeds' forms come first and have the contracts of their words", "[intersect][info]") {
@@ -54,9 +59,9 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
     const auto rows = intersect::table::intersectors(Shape::sphere);
     for (std::size_t i = 0; i < std::size(first); ++i) CHECK(rows[i].info->name == first[i]);
 
-    const auto names_where = [&](auto property) {
+    const auto names_where = [&](auto property, Shape shape = Shape::sphere) {
         std::set<std::string_view> names;
-        for (const intersect::table::Intersector& row : rows)
+        for (const intersect::table::Intersector& row : intersect::table::intersectors(shape))
             if (property(*row.info)) names.insert(row.info->name);
         return names;
     };
@@ -73,6 +78,11 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
           Names{"sphere.pbrt_interval"});
     CHECK(names_where([](const Info& f) { return f.formats == intersect::Formats::binary32_only; }) ==
           Names{"sphere.double_inside"});
+    CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }, Shape::box) ==
+          Names{"box.baseline", "box.exclusive"});
+    CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }, Shape::triangle) ==
+          Names{"triangle.undivided", "triangle.woop", "triangle.woop_double", "triangle.pbrt",
+                "triangle.baldwin_weber"});
 }
 
 }  // namespace lostbits::test

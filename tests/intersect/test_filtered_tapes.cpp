@@ -78,7 +78,10 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
     Tally tally;
     constexpr std::uint64_t block = 512;
     // A call of a torus takes a second to share out.
-    const std::uint64_t shared = form.shape == Shape::plane ? 1 : form.shape == Shape::torus ? block / 2 : 32;
+    const std::uint64_t shared = form.shape == Shape::plane   ? 1
+                                 : form.shape == Shape::torus ? block / 2
+                                 : asks_steps(form)           ? 32
+                                                              : 8;
     tbb::parallel_for(std::uint64_t{0}, rays / block, [&](std::uint64_t b) {
         HostileRays<S> draw(2031 << 20 | b);
         Random scales(b);
@@ -119,10 +122,10 @@ TEST_CASE("the tape of a form that filters is of what ran, its exact step one op
             const bool slow = form.shape == Shape::torus;
             const std::uint64_t rays = asks_steps(form) ? draws(1 << 18, 40)
                                        : slow           ? draws(1 << 13, 16)
-                                                        : draws(1 << 16);
+                                                        : draws(1 << 16, 40);
             check_form<float>(form, *find_format("f32"), rays, any_scale);
             check_form<double>(form, *find_format("f64"), rays, any_scale);
-            check_form<float>(form, *find_format("p20"), slow ? draws(1 << 12, 8) : draws(1 << 15), any_scale);
+            check_form<float>(form, *find_format("p20"), slow ? draws(1 << 12, 8) : draws(1 << 15, 32), any_scale);
         }
     }
     CHECK(forms == 11);

@@ -1,19 +1,24 @@
-// Running, of one word and of two, against intervals of thousands of bits: every operation holds the exact result of
-// every number that it was given, over all exponents; no comparison is decided wrongly, and none by a bound that is
-// infinite or NaN.
+// Running, of one word and of two, and Proving, of floats and doubles, against intervals of thousands of bits: every
+// operation holds the exact result of every number that it was given, over all exponents; no comparison is decided
+// wrongly, and none by a bound that is infinite or NaN. The words of Proving are the format's own.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
 #include "number/interval.hpp"
 #include "number/oracle.hpp"
 #include "number/random.hpp"
+#include "number/recorded.hpp"
+#include "number/wide/proving.hpp"
 #include "number/wide/running.hpp"
 
 namespace lostbits::test::test_running {
 
+using number::wide::Proving;
 using number::wide::Running;
 using number::wide::TwoWords;
 
@@ -22,48 +27,75 @@ namespace {
 /// Exact for sums of doubles, and for products of a few but where their exponents lie far apart.
 constexpr long exact_bits = 2400;
 
+template <class N>
+constexpr bool proves = false;
+template <class F>
+constexpr bool proves<Proving<F>> = true;
+
+/// What a number with a bound has for words, and of what format they are.
+template <class N>
+auto words_of(const N& x) {
+    if constexpr (proves<N>) return x.word();
+    else return x.words();
+}
+template <class N>
+using Words = decltype(words_of(std::declval<N>()));
+template <class N>
+using Format = std::conditional_t<std::same_as<Words<N>, float>, float, double>;
+
+Interval exactly(float x) { return Interval(double{x}); }
 Interval exactly(double x) { return Interval(x); }
 Interval exactly(const TwoWords<double>& x) { return Interval(x.hi) + Interval(x.lo); }
 
 /// A number and one that it holds.
-template <class W>
+template <class N>
 struct Held {
-    Running<W> number;
+    N number;
     Interval exact;
+    double first;
 };
 
-double any_double(Random& random) {
-    return random.sign() * std::ldexp(1 + random.unit(), static_cast<int>(random.between(-1075, 1022)));
-}
-
-double words_of(double first, Random&, double) { return first; }
-TwoWords<double> words_of(double first, Random& random, const TwoWords<double>&) {
-    if (random.one_in(3)) return TwoWords<double>(first);
-    return number::wide::ordered_sum(first, first * std::ldexp(random.unit() - 0.5, -52));
-}
-
-double any_bound(double size, Random& random) {
-    if (random.one_in(3)) return 0;
-    if (random.one_in(16)) return std::ldexp(1.0, static_cast<int>(random.between(-1074, 1000)));
-    return std::fabs(size) * std::ldexp(1 + random.unit(), -static_cast<int>(random.between(1, 108)));
+template <class F>
+F any_number(Random& random) {
+    using Limits = std::numeric_limits<F>;
+    const long least = Limits::min_exponent - Limits::digits - 1, most = Limits::max_exponent - 2;
+    return static_cast<F>(random.sign() * std::ldexp(1 + random.unit(), static_cast<int>(random.between(least, most))));
 }
 
 template <class W>
-Held<W> draw(Random& random, double first) {
-    const W words = words_of(first, random, W());
-    const double bound = any_bound(first, random), part = random.one_in(2) ? random.sign() : 2 * random.unit() - 1;
-    return {Running<W>(words, bound), exactly(words) + Interval(part) * Interval(bound)};
+W draw_words(double first, Random& random) {
+    if constexpr (std::floating_point<W>) return static_cast<W>(first);
+    else {
+        if (random.one_in(3)) return W(first);
+        return number::wide::ordered_sum(first, first * std::ldexp(random.unit() - 0.5, -52));
+    }
+}
+
+template <class F>
+F any_bound(double size, Random& random) {
+    if (random.one_in(3)) return 0;
+    if (random.one_in(16)) return std::fabs(any_number<F>(random));
+    return static_cast<F>(std::fabs(size) * std::ldexp(1 + random.unit(), -static_cast<int>(random.between(1, 108))));
+}
+
+template <class N>
+Held<N> draw(Random& random, double first) {
+    const auto words = draw_words<Words<N>>(first, random);
+    const auto bound = any_bound<Format<N>>(first, random);
+    const double part = random.one_in(2) ? random.sign() : 2 * random.unit() - 1;
+    return {N(words, bound), exactly(words) + Interval(part) * exactly(bound), first};
 }
 
 /// Two of like size, or nearly the same, or any.
-template <class W>
-std::array<Held<W>, 2> draw_two(Random& random) {
-    const double x = random.one_in(50) ? 0 : any_double(random);
-    double y = any_double(random);
+template <class N>
+std::array<Held<N>, 2> draw_two(Random& random) {
+    using F = Format<N>;
+    const double x = random.one_in(50) ? 0 : static_cast<double>(any_number<F>(random));
+    double y = any_number<F>(random);
     if (random.one_in(2)) y = x * std::ldexp(1 + random.unit(), static_cast<int>(random.between(-60, 60)));
     if (random.one_in(4)) y = random.sign() * x * (1 + std::ldexp(1.0, -static_cast<int>(random.between(1, 60))));
-    if (!std::isfinite(y)) y = 1;
-    return {draw<W>(random, x), draw<W>(random, y)};
+    if (!std::isfinite(static_cast<F>(y))) y = 1;
+    return {draw<N>(random, x), draw<N>(random, y)};
 }
 
 struct Tried {
@@ -72,12 +104,12 @@ struct Tried {
     std::string first_wrong;
 };
 
-template <class W>
-void hold(const Running<W>& found, const Interval& exact, const std::string& what, Tried& tried) {
-    const double bound = found.radius();
+template <class N>
+void hold(const N& found, const Interval& exact, const std::string& what, Tried& tried) {
+    const double bound{found.radius()};
     if (!(bound < HUGE_VAL)) return;
     ++tried.finite;
-    const Interval off = abs(exact - exactly(found.words()));
+    const Interval off = abs(exact - exactly(words_of(found)));
     if ((off <= Interval(bound)).is_yes()) {
         if (bound > 0) tried.most = std::max(tried.most, mpfr_get_d((off / Interval(bound)).lower(), MPFR_RNDD));
         return;
@@ -85,26 +117,40 @@ void hold(const Running<W>& found, const Interval& exact, const std::string& wha
     if (tried.wrong++ == 0) tried.first_wrong = what;
 }
 
-template <class W>
+/// Whether what found it is the format's own operation, of those that have a sign of their own.
+template <class N>
+bool are_own_words(Op op, const N& x, const N& y, const N& found) {
+    if constexpr (!proves<N>) return true;
+    else {
+        const auto own = op == Op::add        ? x.word() + y.word()
+                         : op == Op::multiply ? x.word() * y.word()
+                         : op == Op::divide   ? x.word() / y.word()
+                                              : found.word();
+        return own == found.word() || own != own;
+    }
+}
+
+template <class N>
 Tried try_operation(Op op, std::size_t draws) {
     const Interval::Precision precision(exact_bits);
     Random random(41);
     Tried tried;
     for (std::size_t i = 0; i < draws; ++i) {
-        const auto [x, y] = draw_two<W>(random);
+        const auto [x, y] = draw_two<N>(random);
         const auto found = apply(op, x.number, y.number, x.number);
         const Interval exact = apply(op, x.exact, y.exact, x.exact);
-        const std::string what = Mpfr(x.number.first(), 53).text() + ", " + Mpfr(y.number.first(), 53).text() +
-                                 " within " + Mpfr(y.number.radius(), 53).text();
+        const std::string what = Mpfr(x.first, 53).text() + ", " + Mpfr(y.first, 53).text() + " within " +
+                                 Mpfr(double{y.number.radius()}, 53).text();
         hold(found, exact, what, tried);
+        tried.wrong += !are_own_words(op, x.number, y.number, found);
     }
     return tried;
 }
 
-template <class W>
+template <class N>
 void operations_hold(double least) {
     for (const Op op : every_op) {
-        const Tried tried = try_operation<W>(op, draws<std::size_t>(200'000));
+        const Tried tried = try_operation<N>(op, draws<std::size_t>(200'000));
         INFO(op_names[static_cast<std::size_t>(op)] << " of " << tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
@@ -115,16 +161,16 @@ void operations_hold(double least) {
 }
 
 /// Sums of products, which have bounds of their own: of six numbers, of which some are alike, or of three squares.
-template <class W>
+template <class N>
 std::array<Tried, 3> try_sums(std::size_t draws) {
     const Interval::Precision precision(exact_bits);
     Random random(43);
     std::array<Tried, 3> tried;
     for (std::size_t i = 0; i < draws; ++i) {
-        const auto [a, b] = draw_two<W>(random);
-        const auto [c, d] = draw_two<W>(random);
-        const auto [f, g] = draw_two<W>(random);
-        const std::string what = Mpfr(a.number.first(), 53).text() + ", " + Mpfr(c.number.first(), 53).text();
+        const auto [a, b] = draw_two<N>(random);
+        const auto [c, d] = draw_two<N>(random);
+        const auto [f, g] = draw_two<N>(random);
+        const std::string what = Mpfr(a.first, 53).text() + ", " + Mpfr(c.first, 53).text();
         // a d − b c cancels where a is nearly b and c nearly d.
         hold(difference_of_products(a.number, d.number, b.number, c.number), a.exact * d.exact - b.exact * c.exact,
              what, tried[0]);
@@ -136,9 +182,9 @@ std::array<Tried, 3> try_sums(std::size_t draws) {
     return tried;
 }
 
-template <class W>
+template <class N>
 void sums_hold(double least) {
-    for (const Tried& tried : try_sums<W>(draws<std::size_t>(200'000))) {
+    for (const Tried& tried : try_sums<N>(draws<std::size_t>(200'000))) {
         INFO(tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
@@ -151,15 +197,15 @@ std::size_t wrongly(const Tris<Mask>& said, const Tri& is) {
     return (said.yes() && is.is_no()) || (said.no() && is.is_yes());
 }
 
-template <class W>
+template <class N>
 void comparisons_hold() {
     const Interval::Precision precision(exact_bits);
     Random random(42);
     std::size_t wrong = 0, told = 0, products = 0;
     const std::size_t all = draws<std::size_t>(200'000);
     for (std::size_t i = 0; i < all; ++i) {
-        const auto [a, b] = draw_two<W>(random);
-        const auto [c, d] = draw_two<W>(random);
+        const auto [a, b] = draw_two<N>(random);
+        const auto [c, d] = draw_two<N>(random);
         const auto less = a.number < b.number;
         wrong += wrongly(less, a.exact < b.exact) + wrongly(a.number <= b.number, a.exact <= b.exact);
         wrong += wrongly(a.number > b.number, a.exact > b.exact) + wrongly(a.number >= b.number, a.exact >= b.exact);
@@ -212,17 +258,41 @@ void nothing_is_said_without_a_bound() {
 }  // namespace
 
 TEST_CASE("running bounds of one word hold what is exact", "[number][running]") {
-    operations_hold<double>(0.5);
-    sums_hold<double>(0.5);
-    comparisons_hold<double>();
+    operations_hold<Running<double>>(0.5);
+    sums_hold<Running<double>>(0.5);
+    comparisons_hold<Running<double>>();
     nothing_is_said_without_a_bound<double>();
 }
 
 TEST_CASE("running bounds of two words hold what is exact", "[number][running]") {
-    operations_hold<TwoWords<double>>(0.1);
-    sums_hold<TwoWords<double>>(0.1);
-    comparisons_hold<TwoWords<double>>();
+    operations_hold<Running<TwoWords<double>>>(0.1);
+    sums_hold<Running<TwoWords<double>>>(0.1);
+    comparisons_hold<Running<TwoWords<double>>>();
     nothing_is_said_without_a_bound<TwoWords<double>>();
+}
+
+TEMPLATE_TEST_CASE("a bound of the format's own holds every exact result", "[number][proving]", float, double) {
+    operations_hold<Proving<TestType>>(0.9);
+    comparisons_hold<Proving<TestType>>();
+}
+
+TEST_CASE("a bound is no operation on a tape, and a choice has both of its sides there", "[number][proving]") {
+    using E = Proving<Recorded<float>>;
+    const auto recorded = [](float x, float y) {
+        Tape tape;
+        const Tape::Scope scope(tape);
+        const E a((Recorded<float>(x))), b((Recorded<float>(y)));
+        const E c = select(a < b, a * b, a + b);
+        CHECK(tape[c.word().node()].op == TapeOp::select);
+        CHECK(c.word().value() == (x < y ? x * y : x + y));
+        std::vector<TapeOp> operations;
+        for (const TapeNode& n : tape.nodes) operations.push_back(n.op);
+        CHECK(std::ranges::count(operations, TapeOp::mul) == 1);
+        CHECK(std::ranges::count(operations, TapeOp::add) == 1);
+        return operations;
+    };
+    // The same operations whichever side is taken: what a metric names of a form is there for every ray.
+    CHECK(recorded(3, 4) == recorded(4, 3));
 }
 
 }  // namespace lostbits::test::test_running

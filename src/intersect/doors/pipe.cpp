@@ -8,7 +8,6 @@
 #include <mutex>
 #include <new>
 
-#include "intersect/doors/greeting.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe_header.hpp"
 #include "intersect/process/child.hpp"

@@ -1,7 +1,8 @@
-// What a program behind a pipe says of itself before anything else.
+// What a program behind a pipe says of itself before anything else, or why it cannot serve.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "intersect/doors/contract.hpp"
 
 namespace lostbits::intersect::doors {
+
+struct PipeTerms;
 
 inline constexpr std::string_view pipe_version = "lostbits-pipe/1";
 
@@ -29,5 +32,15 @@ std::string pipe_header_of(const std::vector<Contract>& contracts);
 std::string shown_text(std::string_view text, std::size_t most = 60);
 /// All of it without the quotation marks.
 std::string plain_text(std::string_view text);
+
+/// Where the lines of a process come from, and how it is named where they make no sense.
+struct Speaker {
+    std::function<std::string()> next_line;
+    std::function<void(const std::string& what)> fail;  ///< throws
+};
+
+/// The contracts of the header, up to the empty line that ends it. InputError for one that makes no sense or says
+/// `error=`, EnvironmentError for `missing=`; `fail` where it is no header at all.
+std::vector<Contract> read_greeting(const Speaker& speaker, const PipeTerms& terms);
 
 }  // namespace lostbits::intersect::doors

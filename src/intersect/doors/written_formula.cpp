@@ -1,6 +1,7 @@
 #include "intersect/doors/written_formula.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "intersect/table/arithmetics.hpp"
@@ -130,17 +131,17 @@ Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T
 
 const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own); }
 
-template <class T>
-void answer_rays(const WrittenFormula& formula, const RayBatch<double>& rays, const Target<double>& target,
-                 const HitBatch<double>& hits) {
+template <class T, class S>
+void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
+                 const HitBatch<S>& hits) {
     const std::size_t step = target.solids.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Ray<double> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const LiftedInputs<T> in(ray, Target<double>(target.solids[i * step]),
-                                 rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+        const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
+        const LiftedInputs<T> in(ray, Target<S>(target.solids[i * step]),
+                                 rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         const Hit<T> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
         hits.hit[i] = hit.hit;
-        hits.t[i] = hits.near[i] = hits.far[i] = as_double(hit.t);
+        hits.t[i] = hits.near[i] = hits.far[i] = static_cast<S>(as_double(hit.t));
     }
 }
 
@@ -150,20 +151,12 @@ void answer_rounded(void* own, const FloatFormat& format, const RayBatch<double>
     answer_rays<RoundedAny>(of(own).in(*find_format("f32")), rays, target, hits);
 }
 
-void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    answer_rays<double>(of(own).in(*find_format("f64")), rays, target, hits);
+void answer_32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    answer_rays<float>(of(own).in(*find_format("f32")), rays, target, hits);
 }
 
-void answer_32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    const WrittenFormula& formula = of(own).in(*find_format("f32"));
-    const std::size_t step = target.solids.size() == 1 ? 0 : 1;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Ray<float> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const float end = rays.tmax.empty() ? HUGE_VALF : rays.tmax[i];
-        const Hit<float> hit = answer_of(formula, ray, target.solids[i * step], end);
-        hits.hit[i] = hit.hit;
-        hits.t[i] = hits.near[i] = hits.far[i] = hit.t;
-    }
+void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    answer_rays<double>(of(own).in(*find_format("f64")), rays, target, hits);
 }
 
 template <class E>
@@ -190,30 +183,20 @@ void record_all(void* own, const Target<double>& target, Tape& tape) {
     record(own, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
 }
 
+/// What the formula of a format answers to inputs in any number.
+auto asks(void* own, const Format& format) {
+    return [&formula = of(own).in(format)](const auto& in) {
+        return answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
+    };
+}
+
 OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& target, float end) {
-    using T = Counted<float>;
-    const auto lift = [](float x) { return T(x); };
-    const auto vec = [&](const Vec<float>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
-    const LiftedTarget<T> lifted(target, lift);
-    operation_counts() = {};
-    static_cast<void>(answer_of(of(own).in(*find_format("f32")), Ray<T>{vec(ray.origin), vec(ray.direction)},
-                                lifted.get().solids.front(), lift(end)));
-    return operation_counts();
+    return table::counted_by(asks(own, *find_format("f32")), ray, target, end);
 }
 
 std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    const auto in = [&]<class F>() {
-        const LiftedInputs<Bounded<F>> inputs(ray, target, end);
-        const auto hit = answer_of(of(own).in(format), inputs.ray, inputs.target.get().solids.front(), inputs.tmax);
-        return BoundedAnswer{hit.hit.value(), hit.hit.is_proved(), double{hit.t.value()}, double{hit.t.error()}};
-    };
-    switch (format.engine) {
-        case Format::Engine::native32: return in.template operator()<float>();
-        case Format::Engine::native64: return in.template operator()<double>();
-        case Format::Engine::rounded: break;
-    }
-    return std::nullopt;
+    return table::bounded_by(asks(own, format), format, ray, target, end);
 }
 
 /// Which operands of an operation are decisions.

@@ -68,7 +68,8 @@ void ask(const HullParts& row, const Format& format, const OfBox& box, const OfF
 
 /// Over packs where all rays have one solid.
 template <class S>
-void ask_natively(const HullParts& row, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+void ask_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+    const HullParts row = of(own);
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
     const bool one = target.solids.size() == 1;
     const auto kernel = [one](const Intersector& form) {
@@ -76,12 +77,6 @@ void ask_natively(const HullParts& row, const RayBatch<S>& rays, const Target<S>
         else return one ? simd::packed_kernels(form).f64 : form.native64;
     };
     ask(row, format, kernel(*row.box), kernel(*row.form), rays, target, hits);
-}
-void ask32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    ask_natively(of(own), rays, target, hits);
-}
-void ask64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    ask_natively(of(own), rays, target, hits);
 }
 void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
                  const HitBatch<double>& hits) {
@@ -157,8 +152,8 @@ void fill(Rows::Made& made) {
     if (hull.source != "-") made.source += text("; ", hull.source);
     made.tell_as(form);
     made.row = {.info = &made.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
-    if (parts.form->native32 && parts.box->native32) made.row.native32 = {ask32, &made};
-    if (parts.form->native64 && parts.box->native64) made.row.native64 = {ask64, &made};
+    if (parts.form->native32 && parts.box->native32) made.row.native32 = {ask_natively<float>, &made};
+    if (parts.form->native64 && parts.box->native64) made.row.native64 = {ask_natively<double>, &made};
     if (parts.form->rounded && parts.box->rounded) made.row.rounded = {ask_rounded, &made};
     if (parts.form->ball) made.row.ball = {ball, &made};
     if (parts.form->interval) made.row.interval = {interval, &made};

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "intersect/shader/functions.hpp"
+#include "intersect/shader/reading.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::intersect::shader {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
-#include "intersect/shader/loops.hpp"
+#include "intersect/shader/reading.hpp"
 #include "intersect/shader/signature.hpp"
 
 namespace lostbits::intersect::shader {

@@ -83,28 +83,18 @@ void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& r
 }
 
 /// In an enclosure. A determinant that is not known to differ from 0 leaves all open.
-template <class E>
-Hit<E> enclosed(const Made& row, const StepsIn<E>& steps, Hit<E> (*form)(const Made&, const Ray<E>&, const Target<E>&),
-                const Ray<E>& ray, const Target<E>& target) {
+template <auto of_steps, auto kernel, class E>
+Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
+    const Made row = of(own);
     const Solid<E>& solid = target.solids.front();
-    if (!solid.placed) return form(row, ray, target);
+    if (!solid.placed) return (row.form->*kernel)(ray, target);
+    const StepsIn<E>& steps = row.space->*of_steps;
     const Maps<E> maps = steps.maps(*solid.placed);
     const ObjectRay<E> in = steps.to_object(maps, ray);
-    Solid<E> object = scaled(solid, in.scale);
-    const Hit<E> hit = form(row, in.ray, Target<E>(object));
+    const Solid<E> object = scaled(solid, in.scale);
+    const Hit<E> hit = (row.form->*kernel)(in.ray, Target<E>(object));
     return {hit.hit, steps.back(maps, ray, in, hit.t), steps.back(maps, ray, in, hit.near),
             steps.back(maps, ray, in, hit.far)};
-}
-Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) {
-    return enclosed<Ball>(
-        of(own), of(own).space->ball,
-        [](const Made& row, const Ray<Ball>& r, const Target<Ball>& t) { return row.form->ball(r, t); }, ray, target);
-}
-Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
-    return enclosed<Interval>(
-        of(own), of(own).space->interval,
-        [](const Made& row, const Ray<Interval>& r, const Target<Interval>& t) { return row.form->interval(r, t); },
-        ray, target);
 }
 
 /// `inside(ray, target, tmax, tape)` records the form in the space of the solid.
@@ -203,8 +193,8 @@ void fill(Rows::Made& made) {
     if (inner.native32) made.row.native32 = {ask32, &made};
     if (inner.native64) made.row.native64 = {ask64, &made};
     if (inner.rounded) made.row.rounded = {ask_rounded, &made};
-    if (inner.ball) made.row.ball = {ball, &made};
-    if (inner.interval) made.row.interval = {interval, &made};
+    if (inner.ball) made.row.ball = {enclosed<&Space::ball, &Intersector::ball, Ball>, &made};
+    if (inner.interval) made.row.interval = {enclosed<&Space::interval, &Intersector::interval, Interval>, &made};
     if (inner.record) made.row.record = {record, &made};
     if (inner.record_all) made.row.record_all = {record_all, &made};
     made.row.is_placed = true;

@@ -37,14 +37,31 @@ Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
     return intersect_target<Form>(ray, target, unlimited<E>(), unwatched);
 }
 
+/// The inputs of one evaluation in T, in the order in which a tape has them.
+template <class T>
+struct LiftedInputs {
+    Ray<T> ray;
+    LiftedTarget<T> target;
+    T tmax;
+
+    template <class S>
+    LiftedInputs(const Ray<S>& r, const Target<S>& aim, S end)
+        : ray{{lift(r.origin.x), lift(r.origin.y), lift(r.origin.z)},
+              {lift(r.direction.x), lift(r.direction.y), lift(r.direction.z)}},
+          target(aim, [](S x) { return lift(x); }),
+          tmax(lift(end)) {}
+    template <class S>
+    static T lift(S x) {
+        return T(x);
+    }
+};
+
 template <class Form, class T>
 MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
-    const auto lift = [](double x) { return static_cast<T>(x); };
-    const auto vec = [lift](const Vec<double>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
-    const LiftedTarget<T> lifted(target, lift);
+    const LiftedInputs<T> in(ray, target, 0.0);
     StepLog<T> log;
-    const Hit<T> hit = intersect_target<Form>(Ray<T>{vec(ray.origin), vec(ray.direction)}, lifted.get(), T(0), log);
-    const Stop stop = log.stop(hit, *lifted.get().march);
+    const Hit<T> hit = intersect_target<Form>(in.ray, in.target.get(), in.tmax, log);
+    const Stop stop = log.stop(hit, *in.target.get().march);
     return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 
@@ -70,17 +87,10 @@ struct SampleMarks : sdf::Unwatched {
 template <class Form, class F>
 void evaluate_on(Tape& tape, const Ray<double>& ray, const Target<double>& target, double tmax) {
     using T = Recorded<F>;
-    const auto input = [](double x) { return T(x); };
-    const auto vec = [input](const Vec<double>& v) {
-        const T x = input(v.x), y = input(v.y), z = input(v.z);
-        return Vec<T>(x, y, z);
-    };
     const Tape::Scope scope(tape);
-    const Vec<T> origin = vec(ray.origin), direction = vec(ray.direction);
-    const LiftedTarget<T> lifted(target, input);
-    const T end = input(tmax);
+    const LiftedInputs<T> in(ray, target, tmax);
     SampleMarks<T> marks;
-    const Hit<T> hit = intersect_target<Form>(Ray<T>{origin, direction}, lifted.get(), end, marks);
+    const Hit<T> hit = intersect_target<Form>(in.ray, in.target.get(), in.tmax, marks);
     tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
 
@@ -108,28 +118,12 @@ void record_all_of(const Target<double>& target, Tape& tape) {
     tape.every_loop = false;
 }
 
-/// The inputs of one evaluation in T.
-template <class T>
-struct LiftedInputs {
-    Ray<T> ray;
-    LiftedTarget<T> target;
-    T tmax;
-
-    LiftedInputs(const Ray<double>& r, const Target<double>& aim, double end)
-        : ray{{lift(r.origin.x), lift(r.origin.y), lift(r.origin.z)},
-              {lift(r.direction.x), lift(r.direction.y), lift(r.direction.z)}},
-          target(aim, lift),
-          tmax(lift(end)) {}
-    static T lift(double x) { return T(x); }
-};
-
-template <class Form>
-std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
-                                        double tmax) {
+/// What `ask(inputs)` answers over `Bounded`.
+template <class Ask>
+std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format, const Ray<double>& ray,
+                                        const Target<double>& target, double tmax) {
     const auto in = [&]<class F>() {
-        const LiftedInputs<Bounded<F>> inputs(ray, target, tmax);
-        sdf::Unwatched unwatched;
-        const auto hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, unwatched);
+        const Hit<Bounded<F>> hit = ask(LiftedInputs<Bounded<F>>(ray, target, tmax));
         return BoundedAnswer{hit.hit.value(), hit.hit.is_proved(), double{hit.t.value()}, double{hit.t.error()}};
     };
     switch (format.engine) {
@@ -138,6 +132,16 @@ std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>&
         case Format::Engine::rounded: break;
     }
     return std::nullopt;
+}
+
+template <class Form>
+std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
+                                        double tmax) {
+    const auto ask = [](const auto& in) {
+        sdf::Unwatched unwatched;
+        return intersect_target<Form>(in.ray, in.target.get(), in.tmax, unwatched);
+    };
+    return bounded_by(ask, format, ray, target, tmax);
 }
 
 /// Whether a form takes a watch that hears of wider arithmetic.
@@ -169,17 +173,22 @@ Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& t
     });
 }
 
+/// The operations of `ask(inputs)` in binary32.
+template <class Ask>
+OperationCounts counted_by(const Ask& ask, const Ray<float>& ray, const Target<float>& target, float tmax) {
+    const LiftedInputs<Counted<float>> in(ray, target, tmax);
+    operation_counts() = {};
+    static_cast<void>(ask(in));
+    return operation_counts();
+}
+
 template <class Form>
 OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
-    using T = Counted<float>;
-    const auto input = [](float x) { return T(x); };
-    const auto vec = [&](const Vec<float>& v) { return Vec<T>(input(v.x), input(v.y), input(v.z)); };
-    const LiftedTarget<T> lifted(target, input);
-    const Ray<T> inputs{vec(ray.origin), vec(ray.direction)};
-    operation_counts() = {};
-    sdf::Unwatched unwatched;
-    static_cast<void>(intersect_target<Form>(inputs, lifted.get(), input(tmax), unwatched));
-    return operation_counts();
+    const auto ask = [](const auto& in) {
+        sdf::Unwatched unwatched;
+        return intersect_target<Form>(in.ray, in.target.get(), in.tmax, unwatched);
+    };
+    return counted_by(ask, ray, target, tmax);
 }
 
 }  // namespace lostbits::intersect::table

@@ -1,4 +1,4 @@
-// The translation units that fill the table, one per family of arithmetic: they compile side by side.
+// The translation units that fill the table: what runs over batches, and what is asked ray by ray.
 #pragma once
 
 #include "intersect/catalogue.hpp"
@@ -6,12 +6,7 @@
 
 namespace lostbits::intersect::table {
 
-void fill_native(std::span<Intersector> rows);
-void fill_rounded(std::span<Intersector> rows);
-void fill_enclosed(std::span<Intersector> rows);
-void fill_logs(std::span<Intersector> rows);
-void fill_recorded(std::span<Intersector> rows);
-void fill_counted(std::span<Intersector> rows);
-void fill_bounded(std::span<Intersector> rows);
+void fill_batches(std::span<Intersector> rows);
+void fill_by_ray(std::span<Intersector> rows);
 
 }  // namespace lostbits::intersect::table

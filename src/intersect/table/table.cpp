@@ -11,13 +11,8 @@ namespace {
 std::vector<Intersector>& all_rows() {
     static std::vector<Intersector> rows = [] {
         std::vector<Intersector> filled(form_count);
-        fill_native(filled);
-        fill_rounded(filled);
-        fill_enclosed(filled);
-        fill_logs(filled);
-        fill_recorded(filled);
-        fill_counted(filled);
-        fill_bounded(filled);
+        fill_batches(filled);
+        fill_by_ray(filled);
         return filled;
     }();
     return rows;

@@ -2,10 +2,14 @@
 // interval, divided out. No form and no enclosure computes it this way.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <optional>
 
 #include "geometry/range.hpp"
+#include "geometry/ray.hpp"
 #include "intersect/exact.hpp"
+#include "shapes/box/box.hpp"
 
 namespace lostbits::test {
 

@@ -1,4 +1,4 @@
-// The forms that march: what they say of themselves, against plain loops, across registers, and in enclosures.
+// The forms that march: against plain loops, across registers, and in enclosures.
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/sdf/sdf_draw.hpp"
@@ -93,21 +93,6 @@ std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const
 }
 
 }  // namespace
-
-TEST_CASE("forms that march have names, unit directions and one intersection", "[intersect][sdf]") {
-    const char* names[] = {"sdf.sphere_trace", "sdf.relative_eps",   "sdf.cone_eps",      "sdf.over_relaxed",
-                           "sdf.accumulated",  "sdf.secant_refined", "sdf.bisect_refined"};
-    const auto rows = intersect::table::intersectors(Shape::sdf);
-    REQUIRE(rows.size() == std::size(names));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        CHECK(rows[i].info->name == names[i]);
-        CHECK(rows[i].info->direction == intersect::Direction::unit);
-        CHECK(rows[i].info->roots == intersect::Roots::first_only);
-        CHECK(rows[i].log != nullptr);
-    }
-    for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sphere))
-        CHECK(row.log == nullptr);
-}
 
 TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
     const Sphere<double> unit{{0, 0, 0}, 1};

@@ -1,5 +1,4 @@
-// The packed kernels of the spheres against the native rows, and what the table of kernels says of itself.
-#include "intersect/cases.hpp"
+// The packed kernels of every shape against the native rows, and what the table of kernels says of itself.
 #include "intersect/simd/packed_scene.hpp"
 #include "number/error.hpp"
 
@@ -9,60 +8,84 @@ using intersect::simd::Isa;
 
 namespace {
 
-/// Setups as in cases.hpp; every third ray has a special number in one of its six components.
+/// Each form of the shape at every width against its scalar row.
 template <class S>
-Scene<S> drawn_scene(Random& random, Setup setup, std::size_t n) {
-    const auto narrow = [](const Rational& q) { return static_cast<S>(as_double(q)); };
-    const Case x = as_stored<S>(draw_case(random, setup),
-                                random.one_in(2) ? intersect::Direction::unit : intersect::Direction::any);
-    Scene<S> scene{lift_sphere<S>(x, narrow), {}, {}};
-    const Ray<S> r = lift_ray<S>(x, narrow);
-    for (std::size_t k = 0; k < n; ++k) {
-        std::array<S, 6> ray{r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z};
-        if (k % 2 == 1)
-            for (S& v : ray) v = static_cast<S>(v * (1 + random.unit() / 16));
-        if (k % 3 == 2) ray[k / 3 % 6] = draw_any<S>(random);
-        scene.add(ray);
+void compare_forms(Shape shape) {
+    const std::vector<Scene<S>> all = draw_scenes<S>(shape, share(shape, 100));
+    const auto native = intersect::simd::packed_rows(Isa::scalar);
+    for (std::size_t form = 0; form < native.size(); ++form) {
+        if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
+        Tally tally;
+        std::vector<std::size_t> wrong(intersect::simd::isa_names.size());
+        for (const Scene<S>& scene : all) {
+            const Answers<S> want = run(native[form], scene);
+            tally.note(want);
+            for (const Isa isa : intersect::simd::available_isas())
+                wrong[static_cast<std::size_t>(isa)] +=
+                    differences(run(intersect::simd::packed_rows(isa)[form], scene), want);
+        }
+        INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN "
+                                     << tally.not_a_number << " of " << tally.rays);
+        CHECK(wrong == std::vector<std::size_t>(intersect::simd::isa_names.size(), 0));
+        tally.check(shape);
     }
-    return scene;
 }
 
-/// No picture at all: any number anywhere.
+/// Every size from nothing to the whole scene, each column ending where a page ends.
 template <class S>
-Scene<S> wild_scene(Random& random, std::size_t n) {
-    const Vec<S> centre(draw_any<S>(random), draw_any<S>(random), draw_any<S>(random));
-    Scene<S> scene{Sphere<S>{centre, draw_any<S>(random)}, {}, {}};
-    for (std::size_t k = 0; k < n; ++k) {
-        std::array<S, 6> ray;
-        for (S& v : ray) v = draw_any<S>(random);
-        scene.add(ray);
+void compare_sizes(Shape shape, const Scene<S>& scene) {
+    const auto native = intersect::simd::packed_rows(Isa::scalar);
+    for (std::size_t n = 0; n <= scene.size(); ++n) {
+        const auto first = [&](const std::vector<S>& all) {
+            return Cornered<S>(std::span(all).first(std::min(n, all.size())));
+        };
+        const auto& c = scene.column;
+        const Cornered<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]),
+                          dz = first(c[5]);
+        const Cornered<S> tmax = first(scene.tmax);
+        const intersect::table::RayBatch<S> rays{ox.span(), oy.span(), oz.span(),  dx.span(),
+                                                 dy.span(), dz.span(), tmax.span()};
+        for (const Isa isa : intersect::simd::available_isas())
+            for (std::size_t form = 0; form < native.size(); ++form) {
+                if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
+                const Answers<S> got = run(intersect::simd::packed_rows(isa)[form], scene.solid, rays);
+                INFO(native[form].info->name << " in " << name_of(isa) << ", " << n << " rays");
+                CHECK(differences(got, run(native[form], scene.solid, rays)) == 0);
+                CHECK(got.margin_is_untouched());
+            }
     }
-    return scene;
-}
-
-template <class S>
-std::vector<Scene<S>> scenes() {
-    std::vector<Scene<S>> all;
-    Random random(512);
-    for (const Setup setup : every_setup)
-        for (int i = 0; i < 30; ++i) all.push_back(drawn_scene<S>(random, setup, 192));
-    for (int i = 0; i < 300; ++i) all.push_back(wild_scene<S>(random, 48));
-    return all;
 }
 
 }  // namespace
 
-TEST_CASE("binary32: packed sphere kernels give the bits of the native rows", "[intersect][packed]") {
-    compare_forms(Shape::sphere, scenes<float>());
-}
-TEST_CASE("binary64: packed sphere kernels give the bits of the native rows", "[intersect][packed]") {
-    compare_forms(Shape::sphere, scenes<double>());
+TEMPLATE_TEST_CASE("packed kernels of every shape give the bits of the native rows", "[intersect][packed]", float,
+                   double) {
+    for (const ShapeRow& row : shape_rows) compare_forms<TestType>(row.shape);
 }
 
-TEST_CASE("packed sphere kernels take batches of any size and touch nothing beside them", "[intersect][packed]") {
+TEMPLATE_TEST_CASE("packed kernels take batches of any size and touch nothing beside them", "[intersect][packed]",
+                   float, double) {
     Random random(3);
-    compare_sizes(Shape::sphere, drawn_scene<float>(random, Setup::near, 2 * widest + 1));
-    compare_sizes(Shape::sphere, drawn_scene<double>(random, Setup::near, 2 * widest + 1));
+    for (const ShapeRow& row : shape_rows)
+        compare_sizes(row.shape, draw_scene<TestType>(random, row.shape, share(row.shape, 32) + 1));
+}
+
+TEST_CASE("a packed box kernel heeds where each ray ends", "[intersect][packed]") {
+    // The ray enters the box at t = 1; the end before, in and behind it, in neighbouring lanes.
+    const std::size_t n = widest + 3;
+    Scene<float> scene{Box<float>{{1, -1, -1}, {2, 1, 1}}, {}, {}};
+    for (std::size_t k = 0; k < n; ++k) {
+        scene.add({0, 0, 0, 1, 0, 0});
+        scene.tmax.push_back(k % 3 == 0 ? 0.5f : k % 3 == 1 ? 1.5f : 3.0f);
+    }
+    const auto native = intersect::table::intersectors();
+    for (const intersect::simd::Isa isa : intersect::simd::available_isas())
+        for (std::size_t form = 0; form < native.size(); ++form) {
+            if (native[form].shape != Shape::box) continue;
+            const Answers<float> got = run(intersect::simd::packed_rows(isa)[form], scene);
+            INFO(native[form].info->name << " in " << name_of(isa));
+            for (std::size_t k = 0; k < n; ++k) CHECK(got.hit[k] == (k % 3 != 0));
+        }
 }
 
 TEST_CASE("the packed table has the rows of the catalogue", "[intersect][packed]") {

@@ -1,4 +1,4 @@
-// The truth of triangles against fractions, alone and in packs, and what a triangle says of itself.
+// The sides of triangles against fractions, their ties in packs, and what a triangle says of itself.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/packs_and_alone.hpp"
+#include "intersect/simd/packed.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/truth.hpp"
@@ -42,10 +42,11 @@ bool encloses(const measure::truth::Certified& x, const Rational& t) {
 /// Rays with a triangle each, in columns.
 class Floats {
 public:
-    explicit Floats(const std::vector<RayAndSolid>& rays) {
-        for (const auto& [ray, solid] : rays) {
-            for (int k = 0; k < 3; ++k) add(k, ray.origin[k]), add(k + 3, ray.direction[k]);
-            for (int k = 0; k < 9; ++k) add(k + 6, solid.numbers[static_cast<std::size_t>(k)]);
+    explicit Floats(const std::vector<TriangleSample>& samples) {
+        for (const auto& [ray, triangle] : samples) {
+            std::size_t k = 0;
+            for (const Vec<double>& v : {ray.origin, ray.direction, triangle.a, triangle.b, triangle.c})
+                for (int i = 0; i < 3; ++i) numbers_[k++].push_back(static_cast<float>(v[i]));
         }
     }
     [[nodiscard]] measure::truth::ProblemColumns<float> get() const {
@@ -57,40 +58,10 @@ public:
     }
 
 private:
-    void add(int k, double x) { numbers_[static_cast<std::size_t>(k)].push_back(static_cast<float>(x)); }
-
     std::array<std::vector<float>, 15> numbers_;
 };
 
 }  // namespace
-
-TEST_CASE("the truth of a triangle is what fractions say", "[truth][triangle]") {
-    std::map<std::string, int> hits, rims, exact;
-    for_each_triangle(static_cast<int>(draws(3000)), [&](const TriangleFamily& family, const TriangleSample& s) {
-        INFO(family.name);
-        const TriangleAnswer right = answer_of(s);
-        const Truth closed = find_truth(s.ray, Solid<double>(s.triangle));
-        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
-        const bool rim = right.meets() && right.on_rim(), at_origin = right.meets() && right.t == 0;
-        REQUIRE(closed.touches == rim);
-        REQUIRE(closed.on_surface == at_origin);
-        const Truth open = find_truth(s.ray, Solid<double>(s.triangle), {}, Touching::miss);
-        REQUIRE(open.is_hit() == (right.meets() && !rim));
-        const Truth passed = find_truth(s.ray, Solid<double>(s.triangle), {}, AtOrigin::miss);
-        REQUIRE(passed.is_hit() == (right.meets() && !at_origin));
-        hits[family.name] += right.meets(), rims[family.name] += rim;
-        exact[family.name] += closed.bits > 106;
-        if (right.meets()) REQUIRE(encloses(closed.t, right.t));
-    });
-    for (const TriangleFamily& family : triangle_families) {
-        INFO(family.name << ": hits " << hits[family.name] << ", rims " << rims[family.name] << ", by intervals "
-                         << exact[family.name]);
-        CHECK((hits[family.name] > 20) == (std::string(family.name) != "in the plane"));
-    }
-    CHECK(rims["through an edge"] > 100);
-    CHECK(rims["through a vertex"] > 100);
-    CHECK(exact["random"] == 0);  // and ties need intervals
-}
 
 TEST_CASE("the side that a ray comes from is what fractions say", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
@@ -163,25 +134,17 @@ TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth
     CHECK(different > 100);
 }
 
-TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][triangle]") {
-    std::vector<RayAndSolid> asked;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
-        asked.push_back({s.ray, s.triangle});
-    });
-    check_packs_against_each_alone(asked);
-}
-
 TEST_CASE("rays through edges and vertices, and from the triangle, are settled in packs", "[truth][triangle]") {
     const auto before = intersect::simd::current_isa();
-    std::map<std::string, std::vector<RayAndSolid>> asked;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily& family, const TriangleSample& s) {
-        asked[family.name].push_back({s.ray, s.triangle});
-    });
+    std::map<std::string, std::vector<TriangleSample>> asked;
+    for_each_triangle(static_cast<int>(draws(2000)),
+                      [&](const TriangleFamily& family, const TriangleSample& s) { asked[family.name].push_back(s); });
     for (const auto& [name, rays] : asked) {
         const Floats floats(rays);
         for (const Convention& convention : {Convention(), Convention(Touching::miss), Convention(AtOrigin::miss)}) {
             std::vector<Truth> right;
-            for (const RayAndSolid& one : rays) right.push_back(find_truth(one.ray, one.solid, {}, convention));
+            for (const auto& [ray, triangle] : rays)
+                right.push_back(find_truth(ray, Solid<double>(triangle), {}, convention));
             const auto ties = static_cast<std::size_t>(
                 std::ranges::count_if(right, [](const Truth& t) { return t.touches || t.on_surface; }));
             for (const auto isa : intersect::simd::available_isas()) {

@@ -2,6 +2,8 @@
 // coordinates by Gram's determinants. No form and no truth computes it this way.
 #pragma once
 
+#include <array>
+
 #include "intersect/exact.hpp"
 #include "intersect/info.hpp"
 #include "measure/seeded.hpp"
@@ -20,7 +22,6 @@ using RationalVec = std::array<Rational, 3>;
 
 inline RationalVec exactly(const Vec<double>& v) { return {Rational(v.x), Rational(v.y), Rational(v.z)}; }
 inline RationalVec minus(const RationalVec& a, const RationalVec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Rational times(const RationalVec& a, const RationalVec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// What is true of the line, and of the ray from its origin on.
 struct TriangleAnswer {
@@ -46,13 +47,13 @@ inline TriangleAnswer answer_of(const TriangleSample& s) {
     const RationalVec p = minus(exactly(s.triangle.b), a), q = minus(exactly(s.triangle.c), a);
     const RationalVec n{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
     TriangleAnswer answer;
-    const Rational across = times(n, d);
+    const Rational across = dot(n, d);
     answer.crosses = across != 0;
     answer.front = across < 0;
     if (!answer.crosses) return answer;
-    answer.t = times(n, minus(a, o)) / across;
+    answer.t = dot(n, minus(a, o)) / across;
     const RationalVec from{o[0] + answer.t * d[0] - a[0], o[1] + answer.t * d[1] - a[1], o[2] + answer.t * d[2] - a[2]};
-    const Rational pp = times(p, p), pq = times(p, q), qq = times(q, q), fp = times(from, p), fq = times(from, q);
+    const Rational pp = dot(p, p), pq = dot(p, q), qq = dot(q, q), fp = dot(from, p), fq = dot(from, q);
     const Rational gram = pp * qq - pq * pq;
     answer.v = (fp * qq - fq * pq) / gram;
     answer.w = (fq * pp - fp * pq) / gram;

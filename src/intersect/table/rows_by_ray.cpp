@@ -5,12 +5,18 @@
 
 namespace lostbits::intersect::table {
 
-void fill_recorded(std::span<Intersector> rows) {
+void fill_by_ray(std::span<Intersector> rows) {
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        rows[i].record = record_of<Form>;
-        rows[i].record_all = record_all_of<Form>;
-        ++i;
+        Intersector& row = rows[i++];
+        row.ball = enclosed<Form, Ball>;
+        row.interval = enclosed<Form, Interval>;
+        row.record = record_of<Form>;
+        row.record_all = record_all_of<Form>;
+        row.count = count_of<Form>;
+        row.bounded = bounded_of<Form>;
+        if constexpr (filters<Form>) row.way = way_of<Form>;
+        if constexpr (marches<Form>) row.log = log_of<Form>;
     });
 }
 

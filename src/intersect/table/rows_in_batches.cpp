@@ -1,0 +1,20 @@
+#include "intersect/table/arithmetics.hpp"
+#include "intersect/table/rows.hpp"
+
+namespace lostbits::intersect::table {
+
+void fill_batches(std::span<Intersector> rows) {
+    std::size_t i = 0;
+    for_each_form([&]<class Form>() {
+        Intersector& row = rows[i++];
+        row.info = &Form::info;
+        row.shape = shape_of<Form>;
+        row.native32 = native_batch<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) {
+            row.native64 = native_batch<Form, double>;
+            row.rounded = rounded_batch<Form>;
+        }
+    });
+}
+
+}  // namespace lostbits::intersect::table

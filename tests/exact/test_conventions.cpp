@@ -1,0 +1,169 @@
+// What the truth says of rays that touch a solid, begin on it or in it, by every convention and with every instruction
+// set: of small whole numbers, against a solid that is smaller by 2^-44 and ranges that leave out the origin.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "exact/ask.hpp"
+#include "exact/draw.hpp"
+#include "intersect/simd/packed.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace test_conventions {
+
+using namespace lostbits;
+using namespace lostbits::exact;
+using intersect::AtOrigin, intersect::Convention, intersect::Inside, intersect::Touching;
+using measure::truth::find_truth, measure::truth::Truth;
+
+namespace {
+
+constexpr double little = 0x1p-46;
+
+/// Small whole numbers, for which 2^-44 is less than any two different places are apart.
+std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
+    Chance chance(7);
+    std::vector<Problem> some(500), whole;
+    const auto is_small = [](double x) { return x == std::floor(x) && std::fabs(x) < 16; };
+    while (whole.size() < count) {
+        draw_made(shape, true, {}, chance, some);
+        for (Problem& p : some) {
+            p.tmin = 0, p.tmax = INFINITY;
+            if (std::ranges::all_of(p.ray, is_small) && std::ranges::all_of(p.solid, is_small)) whole.push_back(p);
+        }
+    }
+    whole.resize(count);
+    return whole;
+}
+
+/// The solid without its surface, or without its rim, but for points within some 2^-44 of that. False where nothing is
+/// left.
+bool shrink(std::string_view shape, Problem& p) {
+    std::array<double, most_solid>& n = p.solid;
+    const auto closer = [&n](std::size_t i, std::size_t j, double part = little) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double step = part * (n[j + k] - n[i + k]);
+            n[i + k] += step, n[j + k] -= step;
+        }
+    };
+    const double lengths = 4 * little * std::fmax(n[6], n[7]);
+    if (shape == "sphere") n[3] -= little;
+    else if (shape == "ellipsoid") n[3] -= little, n[4] -= little, n[5] -= little;
+    else if (shape == "torus") n[7] -= little;
+    else if (shape == "capsule") n[6] -= little;
+    else if (shape == "tube") closer(0, 3, 0x1p-32), n[6] -= little;  // roots at a rim move less than the rim
+    else if (shape == "cylinder") closer(0, 3), n[6] -= little;
+    else if (shape == "cone") closer(0, 3), n[6] -= n[6] > 0 ? lengths : 0, n[7] -= n[7] > 0 ? lengths : 0;
+    else if (shape == "disc") n[6] -= little, n[7] += n[7] > 0 ? little : 0;
+    else if (shape == "triangle") closer(0, 3), closer(3, 6), closer(6, 0);
+    else if (shape == "box")
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (n[k] == n[3 + k]) return false;
+            n[k] += little, n[3 + k] -= little;
+        }
+    return true;
+}
+
+bool meets(const Shaped& shape, const Problem& p) { return meet(shape.exactly, p).is_hit(); }
+
+/// Where the ray comes into the open solid: from a little before its origin on, where an exit at it counts.
+First<Whole> meets_open(const Shaped& shape, Problem p) {
+    const double back = zero_inside(*shape_named(shape.name)) ? 0 : 0x1p-24;
+    for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
+    return shrink(shape.name, p) ? meet(shape.exactly, p) : First<Whole>(std::nullopt);
+}
+
+struct Given {
+    Ray<double> ray;
+    Solid<double> solid;
+
+    Given(const Shaped& shape, const Problem& p)
+        : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}}, solid(*shape_named(shape.name)) {
+        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
+    }
+    [[nodiscard]] Truth truth(const Convention& convention = {}) const {
+        return find_truth(ray, solid, {}, convention);
+    }
+};
+
+struct Tally {
+    std::size_t touching = 0, from_it = 0, inside = 0;
+};
+
+/// What only touches the solid, of a ray that does not begin inside of a torus: it may touch the hole, which grows.
+void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed) {
+    const First<Whole> through = meets_open(shape, p);
+    const double t = std::ldexp(closed.t.hi, static_cast<int>(closed.t.exponent));
+    const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(t + 0x1p-16)) < 0;
+    // Behind the rim of a tube nothing is looked for, behind a tangent of a torus what is crossed.
+    const bool goes_through = shape.name == "torus" ? closed.is_hit() && through.is_hit() : at_once;
+    REQUIRE(given.truth(Touching::miss).is_hit() == goes_through);
+    REQUIRE(closed.touches == (closed.is_hit() && !at_once));
+}
+
+void hold(const Shaped& shape, const Problem& p, Tally& tally) {
+    const Given given(shape, p);
+    const Truth closed = given.truth();
+    INFO(paste(shape, p, {.hit = closed.is_hit()}));
+    REQUIRE(closed.is_hit() == meets(shape, p));
+    const double depth = visit(given.solid, [&](const auto& s) { return s.off_surface(given.ray.origin); });
+    if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed);
+    if (!closed.is_hit()) return;
+    tally.touching += closed.touches, tally.from_it += closed.on_surface;
+    if (zero_inside(given.solid.shape)) return;
+    Problem at = p, after = p;
+    at.tmax = 0, after.open_tmin = true;
+    REQUIRE(closed.on_surface == meets(shape, at));
+    has_no_first = false;
+    if (const bool ahead = meets(shape, after); !has_no_first) REQUIRE(given.truth(AtOrigin::miss).is_hit() == ahead);
+    if (is_flat(given.solid.shape) || !(depth < -0x1p-30)) return;
+    ++tally.inside;
+    Convention none;
+    none.inside = Inside::miss;
+    REQUIRE_FALSE(given.truth(none).is_hit());
+}
+
+}  // namespace
+
+TEST_CASE("exact: what touches a solid or begins on it or in it is told so, and counts as it is asked", "[exact]") {
+    for (const Shaped& shape : shapes) {
+        Tally tally;
+        const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
+        for (const Problem& p : whole_problems(shape, count)) hold(shape, p, tally);
+        const Shape kind = *shape_named(shape.name);
+        INFO(shape.name << ": touched " << tally.touching << ", from it " << tally.from_it << ", from inside "
+                        << tally.inside);
+        CHECK((tally.touching > 20) == (shape.name != "plane"));
+        CHECK((tally.from_it > 10) == !zero_inside(kind));
+        CHECK((tally.inside > 20) == !(zero_inside(kind) || is_flat(kind) || shape.name == "tube"));
+    }
+}
+
+TEST_CASE("exact: packs decide as each ray alone, with every instruction set", "[exact]") {
+    const auto before = intersect::simd::current_isa();
+    for (const Shaped& shape : shapes) {
+        Chance chance(8);
+        std::vector<Problem> problems(test::draws(std::size_t{5000}));
+        std::vector<std::uint8_t> hits;
+        for (const bool made : {false, true}) {
+            (made ? draw_made : draw_random)(shape, true, {}, chance, problems);
+            for (Problem& p : problems) p.tmin = 0, p.tmax = INFINITY;
+            for (const bool with_rim : {true, false}) {
+                std::vector<std::uint8_t> alone;
+                for (const Problem& p : problems)
+                    alone.push_back(Given(shape, p).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
+                for (const auto isa : intersect::simd::available_isas()) {
+                    intersect::simd::set_isa(isa);
+                    decide(shape.name, Way::floats_for_ulps, with_rim, problems, hits);
+                    INFO(shape.name << ", " << intersect::simd::name_of(isa) << (made ? ", made" : ", random"));
+                    CHECK(std::ranges::equal(hits, alone));
+                }
+            }
+        }
+    }
+    intersect::simd::set_isa(before);
+}
+
+}  // namespace test_conventions

@@ -1,0 +1,256 @@
+// Every form of every shape when nothing is rounded, against answers that share nothing with it; and what enclosures
+// say of the same form, against what it gives unrounded.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "exact/check.hpp"
+#include "exact/draw.hpp"
+#include "intersect/catalogue.hpp"
+#include "intersect/table/table.hpp"
+#include "intersect/takes.hpp"
+#include "measure/truth/truth.hpp"
+#include "number/real.hpp"
+
+namespace test_forms {
+
+using namespace lostbits;
+using namespace lostbits::exact;
+
+namespace {
+
+using intersect::Direction, intersect::Facing, intersect::Roots;
+
+template <class T>
+Ray<T> ray_of(const Problem& p) {
+    return {{T(p.ray[0]), T(p.ray[1]), T(p.ray[2])}, {T(p.ray[3]), T(p.ray[4]), T(p.ray[5])}};
+}
+Solid<double> solid_of(const Shaped& shape, const Problem& p) {
+    Solid<double> solid(*shape_named(shape.name));
+    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
+    return solid;
+}
+
+/// Whether no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the solid or miss it as
+/// it does. A component of the direction that is 0 stays.
+bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
+    double reach = 0;
+    for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(p.ray[i]));
+    for (const double x : p.solid) reach = std::fmax(reach, std::fabs(x));
+    const auto meets = [&](const std::array<double, 6>& off, double sign) {
+        Problem beside = p;
+        for (std::size_t k = 0; k < 6; ++k) beside.ray[k] += sign * off[k];
+        return meet(shape.quickly, beside).is_hit();
+    };
+    in_doubt = false;
+    const bool hit = meets({}, 0);
+    for (int i = 0; i < 4; ++i) {
+        std::array<double, 6> off{};
+        for (std::size_t k = 0; k < 6; ++k) off[k] = 0x1p-14 * chance.part() * (k < 3 ? reach : p.ray[k]);
+        if (meets(off, 1) != hit || meets(off, -1) != hit || in_doubt) return false;
+    }
+    return true;
+}
+
+/// Clear ones of a kind.
+std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t count) {
+    Chance chance(made ? 2 : 1);
+    std::vector<Problem> some(200), clear;
+    while (clear.size() < count) {
+        (made ? draw_made : draw_random)(shape, true, {}, chance, some);
+        for (Problem& p : some) {
+            p.tmin = 0, p.tmax = INFINITY;
+            double least = HUGE_VAL, most = 0;
+            const std::span<const double> ray(p.ray), solid(p.solid);
+            for (const auto& numbers : {ray, solid})
+                for (const double x : numbers)
+                    if (x != 0) least = std::fmin(least, std::fabs(x)), most = std::fmax(most, std::fabs(x));
+            // Some forms compare with 10^-6 or 10^-4, whatever the unit.
+            if (least > 0x1p-8 && most < 0x1p16 && is_clear(shape, p, chance)) clear.push_back(p);
+        }
+    }
+    clear.resize(count);
+    return clear;
+}
+
+/// t to 2^-100 of itself.
+Answer answer_of(bool hit, const Real& t) {
+    Answer a{.hit = hit, .as_float = NAN, .as_double = NAN};
+    if (!hit) return a;
+    a.high = t.convert_to<double>(), a.low = Real(t - a.high).convert_to<double>();
+    a.bound = 0x1p-100 * std::fabs(a.high);
+    return a;
+}
+
+template <class Form>
+Hit<Real> answer_in_real(const Ray<Real>& ray, const Problem& p) {
+    const auto number = [&p](std::size_t k) { return Real(p.solid[k]); };
+    return intersect::intersect_numbers<Form, Real>(ray, number, Real(HUGE_VAL));
+}
+
+/// What a form answers without rounding, in lengths of the direction as it is stored.
+template <class Form>
+Hit<Real> unrounded(const Problem& p) {
+    Ray<Real> ray = ray_of<Real>(p);
+    const Real size = Form::info.direction == Direction::unit ? length(ray.direction) : Real(1);
+    for (int k = 0; k < 3; ++k) ray.direction[k] /= size;
+    Hit<Real> h = answer_in_real<Form>(ray, p);
+    h.t /= size, h.near /= size, h.far /= size;
+    return h;
+}
+
+struct Tally {
+    std::size_t asked = 0, hits = 0;
+    std::vector<Problem> problems;
+    std::vector<Answer> answers;
+
+    void add(const Problem& p, const Answer& a) { problems.push_back(p), answers.push_back(a); }
+};
+
+/// Whether what a form promises to answer without rounding includes this problem.
+template <class Form>
+bool is_asked(const Shaped& shape, const Problem& p, bool made) {
+    // Where |d1| < 1e-4 its root is taken to be 0: test_tori has what follows.
+    if (Form::info.name == "torus.quilez") return false;
+    // Where two roots are one, complex ones too, the last remainder is 0, and rounded in any precision it has a sign.
+    for (const char* const chain : {"sturm", "bracketed", "bracketed_double", "filtered"})
+        if (made && shape.name == "torus" && Form::info.name.substr(6) == chain) return false;
+    // Rays that are made pass corners as near as it pads.
+    if (made && Form::info.name == "box.max_mult") return false;
+    // By forms of boxes 0·∞ goes where the order of operands sends it: test_box_known has what follows.
+    if (shape.name == "box" && p.ray[3] * p.ray[4] * p.ray[5] == 0) return false;
+    const Solid<double> solid = solid_of(shape, p);
+    const Ray<double> ray = ray_of<double>(p);
+    if (Form::info.facing != Facing::both)
+        return measure::truth::find_truth(ray, solid, {}, Form::info.convention()).is_hit() ==
+               measure::truth::find_truth(ray, solid).is_hit();
+    return Form::info.roots != Roots::near_only ||
+           visit(solid, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
+}
+
+/// Where the ray is met, and, of a form with both roots, where it is met last: first by one that comes back.
+template <class Form>
+void ask(const Problem& p, Tally& tally) {
+    const Hit<Real> h = unrounded<Form>(p);
+    ++tally.asked, tally.hits += h.hit;
+    tally.add(p, answer_of(h.hit, h.t));
+    if (!h.hit || Form::info.roots != Roots::both || Form::info.name == "box.max_mult") return;  // which pads it
+    const double from = std::exp2(2 + std::fmax(10, std::ilogb(h.far.convert_to<double>())));
+    Problem back = p;
+    for (std::size_t i = 0; i < 3; ++i) {
+        back.ray[i] += from * p.ray[i + 3], back.ray[i + 3] = -p.ray[i + 3];
+        if (back.ray[i] - from * p.ray[i + 3] != p.ray[i]) return;
+    }
+    tally.add(back, answer_of(true, from - h.far));
+}
+
+/// Whether what an enclosure says of a number is true of 256 bits, of which a form may lose half.
+template <class E>
+bool contains(const E& x, const Real& v) {
+    const mpfr_srcptr p = v.backend().data();
+    if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
+    if (mpfr_inf_p(p) != 0) return !x.is_bounded();
+    const Real room = ldexp(abs(v) + 1, -128);
+    if (x.undefined() == Undefined::always) return false;
+    if constexpr (std::same_as<E, Ball>) {
+        return abs(v - Real(x.hi()) - Real(x.lo())) <= Real(x.radius()) + room;
+    } else {
+        return mpfr_cmp(x.lower(), Real(v + room).backend().data()) <= 0 &&
+               mpfr_cmp(x.upper(), Real(v - room).backend().data()) >= 0;
+    }
+}
+
+struct Enclosures {
+    bool by_other_steps;  ///< than without rounding: t of a miss is another
+    std::size_t asked = 0, decided = 0, bounded = 0, wrong = 0, contradictory = 0;
+
+    template <class E>
+    void hold(const Hit<E>& got, const Hit<Real>& want, std::optional<bool>& verdict) {
+        if (want.hit || !by_other_steps)
+            wrong += !contains(got.t, want.t) || !contains(got.near, want.near) || !contains(got.far, want.far);
+        wrong += (got.hit.is_yes() && !want.hit) || (got.hit.is_no() && want.hit);
+        bounded += got.t.is_bounded();
+        if (got.hit.is_unknown()) return;
+        contradictory += verdict && *verdict != got.hit.is_yes();
+        verdict = got.hit.is_yes();
+    }
+    template <class Form>
+    void ask(const intersect::table::Intersector& row, const Shaped& shape, Problem p) {
+        if (Form::info.direction == Direction::unit) {
+            const double size = length(ray_of<double>(p).direction);
+            for (std::size_t i = 3; i < 6; ++i) p.ray[i] /= size;
+        }
+        const Hit<Real> want = answer_in_real<Form>(ray_of<Real>(p), p);
+        const auto target = [solid = solid_of(shape, p)]<class E>(const E&) {
+            return transformed(solid, [](double x) { return E(x); });
+        };
+        std::optional<bool> verdict;
+        hold(row.ball(ray_of<Ball>(p), target(Ball())), want, verdict);
+        for (const long bits : {12, 24, 53, 113, 250}) {
+            const Interval::Precision exact(53);
+            const Ray<Interval> ray = ray_of<Interval>(p);
+            const Solid<Interval> solid = target(Interval());
+            const Interval::Precision precision(bits);
+            hold(row.interval(ray, solid), want, verdict);
+        }
+        ++asked, decided += verdict.has_value();
+    }
+};
+
+}  // namespace
+
+TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exact][forms]") {
+    for (const Shaped& shape : shapes) {
+        const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 1000U : 10000U});
+        const std::vector<Problem> random = clear_problems(shape, false, count),
+                                   made = clear_problems(shape, true, count);
+        intersect::for_each_form([&]<class Form>() {
+            if constexpr (!intersect::marches<Form>) {
+                if (row_of(intersect::shape_of<Form>).name != shape.name) return;
+                Tally tally;
+                for (const std::vector<Problem>* const all : {&random, &made})
+                    for (const Problem& p : *all)
+                        if (is_asked<Form>(shape, p, all == &made)) ask<Form>(p, tally);
+                if (tally.asked == 0) return;
+                const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
+                INFO(Form::info.name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ
+                                     << " " << words_of(f.fault) << "\n"
+                                     << paste(shape, tally.problems[f.first], tally.answers[f.first]));
+                CHECK(f.differ == 0);
+                CHECK(tally.asked > count / 2);
+                CHECK(tally.hits > tally.asked / 16);
+                CHECK(tally.hits < tally.asked);
+            }
+        });
+    }
+}
+
+TEST_CASE("exact: enclosures of every form contain what the form gives unrounded", "[exact][forms]") {
+    for (const Shaped& shape : shapes) {
+        const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 200U : 1000U});
+        std::vector<Problem> problems = clear_problems(shape, false, count);
+        // A ray along a plane divides by 0, and solvers of degree four by what their bounds may hold to be 0.
+        if (shape.name != "torus") std::ranges::copy(clear_problems(shape, true, count), std::back_inserter(problems));
+        std::erase_if(problems, [](const Problem& p) { return p.ray[3] * p.ray[4] * p.ray[5] == 0; });
+        std::size_t row = 0;
+        intersect::for_each_form([&]<class Form>() {
+            const intersect::table::Intersector& form = intersect::table::catalogue()[row++];
+            if constexpr (!intersect::marches<Form>) {
+                if (row_of(intersect::shape_of<Form>).name != shape.name) return;
+                Enclosures e{.by_other_steps = Form::info.name == "torus.filtered"};
+                for (const Problem& p : problems) e.ask<Form>(form, shape, p);
+                INFO(Form::info.name << ": decided " << e.decided << " of " << e.asked << ", bounded " << e.bounded);
+                CHECK(e.wrong == 0);
+                CHECK(e.contradictory == 0);
+                CHECK((shape.name == "torus" || e.decided > e.asked * 3 / 4));
+            }
+        });
+    }
+}
+
+}  // namespace test_forms

@@ -1,0 +1,156 @@
+// What tori alone need: forms that are wrong without any rounding, how far t can be moved, and lines through the hole.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "exact/draw.hpp"
+#include "measure/offset/half_line.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/reach.hpp"
+#include "number/real.hpp"
+#include "shapes/torus/forms/forms.hpp"
+
+namespace test_tori {
+
+using namespace lostbits;
+using namespace lostbits::exact;
+using measure::truth::find_truth, measure::truth::Truth;
+
+namespace {
+
+Vec<Real> lifted(const Vec<double>& v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
+
+template <class Form>
+Hit<Real> unrounded(const Ray<double>& ray, const Torus<double>& torus) {
+    const Vec<Real> d = lifted(ray.direction);
+    const Real size = length(d);
+    Hit<Real> h = Form::template intersect<Real>(
+        {lifted(ray.origin), Vec<Real>(d.x / size, d.y / size, d.z / size)},
+        {lifted(torus.centre), lifted(torus.axis), Real(torus.major_radius), Real(torus.minor_radius)});
+    h.t /= size;
+    return h;
+}
+
+Ray<double> ray_of(const Problem& p) { return {{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}}; }
+/// How many roots there are, and how many of them lie ahead.
+std::pair<int, int> roots_of(const Ray<double>& ray, const Solid<double>& solid) {
+    const Vec<double>&o = ray.origin, &d = ray.direction;
+    Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};
+    std::ranges::copy(solid.used(), p.solid.begin());
+    const Sturm<Whole> quartic = quartic_of(Asked<Whole>(p));
+    return {quartic.all(), quartic.all() - quartic.up_to(Whole())};
+}
+
+}  // namespace
+
+TEST_CASE("a chain of remainders sees a torus where there is none, however wide its numbers", "[intersect][torus]") {
+    // In the plane of its top, along which it touches it behind the origin: the quartic is a square.
+    const Ray<double> ray{{-1087, 9, -450}, {-3, -4, 0}};
+    const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 875, 450};
+    REQUIRE_FALSE(find_truth(ray, Solid<double>(torus)).is_hit());
+    REQUIRE(roots_of(ray, torus).second == 0);
+    CHECK(unrounded<intersect::torus::SturmTorus>(ray, torus).hit);
+    CHECK_FALSE(unrounded<intersect::torus::FilteredTorus>(ray, torus).hit);
+}
+
+TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding", "[intersect][torus][formula]") {
+    // Through the hole of a torus that has hardly one: where |d1| < 1e-4 its root is taken to be 0.
+    testing::Seeded rng(0x7051);
+    int asked = 0, off = 0;
+    double most = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Torus<double> torus{rng.vec(-1, 1), rng.vec(-1, 1), 1, rng.uniform(0.5, 0.95)};
+        const double hole = 1 - torus.minor_radius;
+        const Vec<double> from = torus.centre + 3.0 * torus.axis + hole * rng.vec(-1, 1);
+        const Ray<double> ray{from, torus.centre + 1.25 * hole * rng.vec(-1, 1) - from};
+        const Truth truth = find_truth(ray, Solid<double>(torus));
+        const Hit<Real> h = unrounded<intersect::torus::QuilezTorus>(ray, torus);
+        if (!truth.is_hit() || !h.hit) continue;
+        ++asked;
+        const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
+        const double wrong = std::fabs(h.t.convert_to<double>() - t) / t;
+        off += wrong > 1e-6, most = std::max(most, wrong);
+    }
+    CHECK(asked > 50);
+    CHECK(off > 3);
+    CHECK(most > 0.001);
+    CHECK(most < 0.1);
+}
+
+TEST_CASE("what half an ulp of each number moves t of a torus by is within its reach", "[truth][torus]") {
+    testing::Seeded rng(0x706);
+    Chance chance(9);
+    int asked = 0, wide = 0;
+    double share = 0;
+    const auto moved = [&rng](double x) {
+        const double ulp = x == 0 ? 0 : std::ldexp(1.0, std::max(std::ilogb(x), -126) - 24);
+        return x + rng.uniform(-1, 1) * ulp;
+    };
+    std::vector<Problem> problems(test::draws(std::size_t{4000}));
+    for (const bool made : {false, true}) {
+        (made ? draw_made : draw_random)(shapes[10], true, {}, chance, problems);
+        for (const Problem& p : problems) {
+            const Ray<double> ray = ray_of(p);
+            Solid<double> solid(Shape::torus);
+            std::copy_n(p.solid.begin(), solid.used().size(), solid.numbers.begin());
+            const Truth truth = find_truth(ray, solid);
+            if (!truth.is_hit() || truth.touches || truth.on_surface) continue;
+            const double reach = measure::truth::reach(ray, solid, truth.t, binary32);
+            const auto roots = roots_of(ray, solid);
+            for (int k = 0; k < 4; ++k) {
+                Problem q = p;
+                for (double& x : q.ray) x = moved(x);
+                const Solid<double> other = transformed(solid, moved);
+                // Another root is another answer.
+                if (roots_of(ray_of(q), other) != roots) continue;
+                const Truth there = find_truth(ray_of(q), other);
+                if (!there.is_hit()) continue;
+                const double apart = std::fabs(scaled_difference(there.t, truth.t, truth.t.exponent));
+                const double allowed = std::ldexp(reach, -static_cast<int>(truth.t.exponent));
+                INFO(made);
+                REQUIRE(apart <= allowed);
+                ++asked, wide += std::isinf(allowed) && !made;
+                if (!made) share = std::max(share, apart / allowed);
+            }
+        }
+    }
+    CHECK(asked > 500);
+    CHECK(wide == 0);
+    CHECK(share > 0.1);
+}
+
+TEST_CASE("how strongly errors act on t of a torus is what its derivatives say", "[truth][torus]") {
+    // t = 5 − (R + r) = 2, with derivatives −1 by o.x, −t by d.x, −1 by R and by r; turning the axis moves nothing.
+    const Ray<double> ray{{-5, 0, 0}, {1, 0, 0}};
+    CHECK(measure::truth::condition(ray, Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == Approx(5));
+    // A line along the top touches: no derivative exists.
+    CHECK(measure::truth::condition({{-5, 0, 1}, {1, 0, 0}},
+                                    Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == HUGE_VAL);
+}
+
+TEST_CASE("half-lines and ways meet a torus where they are in it, and not in its hole", "[torus]") {
+    using measure::offset::find_meeting, measure::offset::Meeting, measure::offset::passes_through;
+    const Solid<double> torus(Torus<double>{{0, 0, 0}, {0, 0, 3}, 2, 1});
+    const auto from = [&](const Vec<double>& o, const Vec<double>& d) { return find_meeting({{o, d}, 0}, torus); };
+    CHECK(from({0, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = true});
+    CHECK(from({0, 0, 0}, {0, 0, 1}) == Meeting{.inside = false, .outside = true, .meets = false});
+    CHECK(from({2, 0, 0}, {1, 0, 0}) == Meeting{.inside = true, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {-1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {0, 0, 1}) == Meeting{.inside = false, .outside = false, .meets = false});
+    CHECK(from({3, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = false});
+    CHECK(from({-9, 0, 1}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = false});
+    CHECK(from({-9, 1, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = true});
+    CHECK_FALSE(passes_through({0, 0, -5}, {0, 0, 5}, torus));
+    CHECK_FALSE(passes_through({-0.9, 0, 0}, {0.9, 0, 0}, torus));
+    CHECK(passes_through({0, 0, 0}, {1.5, 0, 0}, torus));
+    CHECK(passes_through({-5, 0, 0}, {5, 0, 0}, torus));
+    CHECK(passes_through({2, 0, 0}, {2.5, 0, 0}, torus));
+    CHECK_FALSE(passes_through({-5, 0, 1}, {5, 0, 1}, torus));
+}
+
+}  // namespace test_tori

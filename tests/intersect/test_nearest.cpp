@@ -1,0 +1,154 @@
+// What shapes say of points beside them: one test over the closed list, of solids at random.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/seeded.hpp"
+#include "number/format.hpp"
+#include "number/real.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::test::test_nearest {
+namespace {
+
+using testing::Seeded;
+
+const Real tolerance = ldexp(Real(1), -200);
+
+template <class T>
+Vec<T> lifted(const Vec<double>& v) {
+    return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
+}
+
+Solid<double> random_solid(const ShapeRow& row, Seeded& rng) {
+    Solid<double> solid(row.shape);
+    std::size_t k = 0;
+    for (const Key& key : row.keys) {
+        using Limit = Key::Limit;
+        for (const std::size_t end = k + key.count(); k < end; ++k) {
+            double& x = solid.numbers[k];
+            if (!key.is_length()) x = rng.uniform(-1, 1);
+            else if (key.limit == Limit::positive) x = rng.uniform(0.1, 1);
+            else if (key.limit == Limit::not_negative) x = rng.coin() ? 0 : rng.uniform(0, 1);
+            else
+                x = (key.limit == Limit::below_before && rng.coin() ? 0 : rng.uniform(0.1, 0.99)) *
+                    solid.numbers[k - 1];
+        }
+    }
+    return solid;
+}
+
+/// Whether it is an apex, where there is no normal.
+template <class S>
+bool is_apex(const S&, const Vec<double>&) {
+    return false;
+}
+bool is_apex(const Cone<double>& s, const Vec<double>& on) {
+    return s.top_radius == 0 && length(Vec<double>(on - s.top)) < 0x1p-30;
+}
+
+/// On the surface, no nearer than `distance` says, with a normal of length one, outside behind it.
+template <template <class> class S>
+void check_nearest_point(const S<double>& plain, const S<Real>& s, const Vec<double>& q) {
+    const Vec<Real> p = lifted<Real>(q);
+    const Ray<Real> ray{p, p};
+    const Vec<Real> on = s.projected(ray, p), n = s.outward_normal(ray, on);
+    const Real d = s.distance(p);
+    REQUIRE(abs(s.off_surface(on)) * s.unit() <= tolerance);
+    REQUIRE(abs(Real(length(n) - Real(1))) <= tolerance);
+    REQUIRE(abs(s.distance(on + ldexp(Real(1), -20) * n)) > 0);
+    REQUIRE((d <= 0) == plain.may_hold(q));
+    if (s.name == "ellipsoid") return;  // whose `distance` is a bound, and `projected` along a radius
+    REQUIRE(abs(s.off_surface(p)) * s.unit() <= abs(d) + tolerance);
+    if (s.name == "cone" || s.name == "disc") return;  // put back across the axis, and onto the plane
+    REQUIRE(abs(Real(abs(d) - length(Vec<Real>(p - on)))) <= tolerance);
+    REQUIRE(abs(s.distance(on)) <= tolerance);
+}
+
+/// A point put onto the surface in float lies within its bound; what is returned is how much of that it takes.
+template <template <class> class S>
+double share_of_bound(const Solid<double>& solid, const Vec<double>& at) {
+    const Solid<float> rounded = transformed(solid, [](double x) { return static_cast<float>(x); });
+    const S<float> s = rounded.template as<S>();
+    const S<Real> same = transformed(rounded, [](float x) { return Real(x); }).template as<S>();
+    // Put back by what rounding moved it: a point near the surface, as hits are.
+    const Vec<Real> p = lifted<Real>(at), on = same.projected(Ray<Real>{p, p}, p);
+    const Vec<float> near(static_cast<float>(on.x), static_cast<float>(on.y), static_cast<float>(on.z));
+    const BoundedPoint<float> b = s.bounded_point(Ray<float>{near, {1, 0, 0}}, 0, near);
+    double allowed = 0;
+    for (int i = 0; i < 3; ++i) allowed += static_cast<double>(b.delta[i]) * static_cast<double>(b.delta[i]);
+    const Vec<Real> there(Real(b.p.x), Real(b.p.y), Real(b.p.z));
+    return static_cast<double>(abs(same.distance(there))) / std::sqrt(allowed);
+}
+
+/// The largest of solids of all sizes, near the origin and far.
+template <template <class> class S>
+double largest_share_of_bound(const ShapeRow& row, Seeded& rng) {
+    double largest = 0;
+    for (int i = 0; i < 2000; ++i) {
+        Solid<double> solid = scaled(random_solid(row, rng), rng.magnitude(-6, 6));
+        const Vec<double> off = rng.magnitude(-6, 6) * rng.vec(-1, 1);
+        std::size_t k = 0;
+        for (const Key& key : row.keys) {
+            if (key.kind == Key::Kind::point) solid.set_point(k, solid.point(k) + off);
+            k += key.count();
+        }
+        const double x = rng.unit(), y = rng.unit(), z = rng.unit();
+        const Vec<double> at = solid.template as<S>().point_at({x, y, z});
+        if (!broken_limit(transformed(solid, [](double v) { return static_cast<float>(v); })))
+            largest = std::max(largest, share_of_bound<S>(solid, at));
+    }
+    return largest;
+}
+
+}  // namespace
+
+TEST_CASE("a shape's distance, normal, nearest point and bounded point belong together", "[shapes]") {
+    Seeded rng(0x7a7);
+    Solids::each([&]<template <class> class S>() {
+        const ShapeRow& row = row_of(shape_as<S>);
+        if (row.name == "box" || row.name == "triangle") return;  // test_solids, test_triangle_truth
+        INFO(row.name);
+        int inside = 0;
+        for (int i = 0; i < 500; ++i) {
+            const Solid<double> solid = random_solid(row, rng);
+            const S<double> plain = solid.as<S>();
+            const S<Real> s = transformed(solid, [](double x) { return Real(x); }).template as<S>();
+            const Vec<double> q = rng.vec(-1.5, 1.5);
+            const Real d = s.distance(lifted<Real>(q));
+            if (!is_apex(plain, plain.projected({}, q))) check_nearest_point(plain, s, q);
+            // A distance is the least to a point of the surface: none of these is nearer.
+            for (int k = 0; k < 20; ++k) {
+                const Vec<Real> u = lifted<Real>(rng.vec(-2, 2)), share(abs(u.x) / 2, abs(u.y) / 2, abs(u.z) / 2);
+                const Vec<Real> other = row.name == "disc" ? s.point_at(share) : s.projected({}, u);
+                REQUIRE(length(Vec<Real>(lifted<Real>(q) - other)) >= abs(d) * (1 - tolerance));
+            }
+            inside += d < 0;
+        }
+        CHECK((inside > 2) == !(row.flat || row.name == "tube"));
+        const double share = largest_share_of_bound<S>(row, rng);
+        CHECK(share < 1);
+        CHECK(share > 0.01);
+    });
+}
+
+/// Sampled on the surface: some point is hardly farther than `distance` says, so that the bound is one.
+TEST_CASE("the field of an ellipsoid is near to how far its surface is", "[shapes]") {
+    Seeded rng(0x7a4);
+    double closest = HUGE_VAL;
+    for (int i = 0; i < 300; ++i) {
+        const Ellipsoid<double> e{rng.vec(-1, 1), rng.vec(0.05, 2)};
+        const Vec<double> p = rng.vec(-3, 3);
+        const double field = e.distance(p);
+        for (int k = 0; k < 300; ++k) {
+            const Vec<double> u = rng.vec(-1, 1), on = e.centre + (1 / length(u)) * (u * e.radii);
+            const double there = length(Vec<double>(p - on));
+            REQUIRE(std::fabs(field) <= there * (1 + 1e-12));
+            closest = std::min(closest, there / std::fabs(field));
+        }
+    }
+    CHECK(closest < 1.1);
+}
+
+}  // namespace lostbits::test::test_nearest
