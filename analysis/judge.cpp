@@ -50,7 +50,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
     const auto needed = [](const Format& f) { return scene::dump::NumberWords(f).digits(); };
     const Format narrow = *find_format("f32");
-    const bool is_wide = format.shape.precision > binary32.precision;
+    const bool is_wide = format.parameters.precision > binary32.precision;
     // Of numbers that are written as short as they can be, none may need the last of the digits.
     const bool is_short = result.decimals > 10 && result.digits + 1 < needed(format);
     if (is_wide && result.answers > 10 && result.floats == result.answers &&

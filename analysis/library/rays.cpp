@@ -105,7 +105,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
-        made.solids = scene::rays::stored_solids(rays.scene->scene, format.shape);
+        made.solids = scene::rays::stored_solids(rays.scene->scene, format.parameters);
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }

@@ -150,7 +150,7 @@ std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scen
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format) {
-    if (scene) return scene::rays::stored_solids(*scene, format.shape);
+    if (scene) return scene::rays::stored_solids(*scene, format.parameters);
     std::vector<Solid<double>> solids;
     for (const Shape shape : o.solids.shapes())
         for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_of(text, shape, format));

@@ -58,9 +58,9 @@ void add_group(const RayGroup& group, bool marches, const LostLengths::Where& wh
 
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     for (const Format& format : formats_of(rows)) {
-        say(scene.id, format, scene::rays::lost_lengths(scene, format.shape));
+        say(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
         if (!marches_in(format, rows)) continue;
-        for (const std::string& lost : scene::file::lost_constants(scene, format.shape))
+        for (const std::string& lost : scene::file::lost_constants(scene, format.parameters))
             say(scene.id, format, {"march." + lost});
     }
 }
@@ -71,7 +71,7 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
     std::vector<LostLengths> lost;
     std::vector<bool> marches;
     for (const Format& format : formats) {
-        lost.emplace_back(format.shape);
+        lost.emplace_back(format.parameters);
         marches.push_back(marches_in(format, rows));
     }
     const std::vector<double> only{0};
@@ -91,9 +91,10 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
 
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& rows) {
     for (const Format& format : formats_of(rows)) {
-        LostLengths lost(format.shape);
+        LostLengths lost(format.parameters);
         for (std::size_t i = 0; i < file.size(); ++i) {
-            const std::vector<RayGroup> before = file.rays_before(i, format.shape), after = file.rays(i, format.shape);
+            const std::vector<RayGroup> before = file.rays_before(i, format.parameters),
+                                        after = file.rays(i, format.parameters);
             for (std::size_t g = 0; g < after.size(); ++g) {
                 for (std::size_t s = 0; s < after[g].solids.size(); ++s)
                     lost.add(before[g].solids[s], after[g].solids[s], [&] { return "case \"" + file.name(i) + "\""; });

@@ -55,7 +55,7 @@ std::string solid_options(bool numbers, const char* between) {
 
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as) {
     const char* const option = wanted.option;
-    const FloatFormat shape = as ? as->shape : binary64;
+    const FloatFormat shape = as ? as->parameters : binary64;
     std::vector<Real> numbers;
     for (const std::string& part : parts_of(text)) {
         if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {

@@ -190,7 +190,7 @@ AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::p
     const auto [number, asked] = named_ray(file, words.named_case);
     row.judged = judged_of(words, file);
     const int rays = file.rays_of(number);
-    auto groups = file.rays(number, row.format.shape);
+    auto groups = file.rays(number, row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (asked && *asked >= count)
         throw InputError(fmt::format("--case {}: the case has {} ray{}, counted from 0", words.named_case, count,

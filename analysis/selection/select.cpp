@@ -271,8 +271,8 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
         }
         const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
         const bool widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
-        if (!widths || first->shape.precision > last->shape.precision) unknown_format(name, option);
-        for (int p = first->shape.precision; p <= last->shape.precision; ++p) add("p" + std::to_string(p));
+        if (!widths || first->parameters.precision > last->parameters.precision) unknown_format(name, option);
+        for (int p = first->parameters.precision; p <= last->parameters.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;
 }

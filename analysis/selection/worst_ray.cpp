@@ -143,12 +143,12 @@ AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& ro
     std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
         summaries.push_back(std::move(
-            measure::evaluate::measure_groups(file.rays(i, row.format.shape), {row}, lost_bits(), {.stop = stop})
+            measure::evaluate::measure_groups(file.rays(i, row.format.parameters), {row}, lost_bits(), {.stop = stop})
                 .front()));
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
     const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);
-    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.shape), rays, k)), row.form,
+    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.parameters), rays, k)), row.form,
                    fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                                file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);

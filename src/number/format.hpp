@@ -32,7 +32,7 @@ constexpr long ulp_exponent(const FloatFormat& f, long floor_log2_x) {
 struct Format {
     enum class Engine { native32, native64, rounded };
     std::string name;
-    FloatFormat shape;
+    FloatFormat parameters;
     Engine engine;
     friend bool operator==(const Format&, const Format&) = default;
 };

@@ -15,7 +15,7 @@ decltype(auto) with_number(const Format& format, const Use& use) {
         case Format::Engine::native64: return use.template operator()<double>();
         case Format::Engine::rounded: break;
     }
-    const CurrentFormat::Scope scope(format.shape);
+    const CurrentFormat::Scope scope(format.parameters);
     return use.template operator()<RoundedAny>();
 }
 

@@ -299,7 +299,7 @@ TEST_CASE("exact: filters decide right and keep their bits in formats of 16 bits
             for (Problem& p : some) {
                 p.tmin = 0, p.tmax = INFINITY;
                 const auto is_held = [&](double x) {
-                    return std::fabs(x) < 64 && rounding::to_format(x, 0, format.shape) == x;
+                    return std::fabs(x) < 64 && rounding::to_format(x, 0, format.parameters) == x;
                 };
                 if (!std::ranges::all_of(p.ray, is_held) || !std::ranges::all_of(p.solid, is_held)) continue;
                 const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
@@ -307,11 +307,11 @@ TEST_CASE("exact: filters decide right and keep their bits in formats of 16 bits
                 std::copy_n(p.solid.begin(), solid.used().size(), solid.numbers.begin());
                 double t, near, far;
                 std::uint8_t hit;
-                row.rounded(format.shape, {column(0), column(1), column(2), column(3), column(4), column(5)}, solid,
-                            {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
+                row.rounded(format.parameters, {column(0), column(1), column(2), column(3), column(4), column(5)},
+                            solid, {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
                 hits += hit;
                 if (hit != 0 && std::isinf(t)) continue;
-                asked.push_back(p), answers.push_back(answer_of(hit != 0, t, format.shape, has_own_steps<Form>));
+                asked.push_back(p), answers.push_back(answer_of(hit != 0, t, format.parameters, has_own_steps<Form>));
             }
             const Findings f = check(shaped<Form>(), asked, answers, HUGE_VAL, 20);
             INFO(Form::info.name << " in " << name << ": " << asked.size() << " rays, " << hits << " hits; "

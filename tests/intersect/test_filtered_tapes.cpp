@@ -53,7 +53,7 @@ void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& t
     ++tally.hits;
     const double t = tape[tape.outputs.t].value, off = found.of[static_cast<std::size_t>(tape.outputs.t)].error;
     const double allowed =
-        16 * std::ldexp(std::fabs(t), -format.shape.precision) + measure::blame::ulp_at(0, format.shape);
+        16 * std::ldexp(std::fabs(t), -format.parameters.precision) + measure::blame::ulp_at(0, format.parameters);
     tally.inexact += std::isfinite(t) && !(std::fabs(off) <= allowed);
 }
 
@@ -93,7 +93,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
             else if (!asks_steps(form))
                 x.solid = solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]);
             if (any_scale) x = at_any_scale<S>(x, scales);
-            x = in_format(x, format.shape);
+            x = in_format(x, format.parameters);
             // At any scale the ends of an axis may meet, and a normal vanish.
             if (asks_steps(form) || !broken_limit(x.solid)) check_ray(form, format, x, i % shared == 0, tally);
         }

@@ -99,7 +99,7 @@ void record_with(const HullParts& row, const Format& format, const Ray<double>& 
                  double tmax, Tape& tape, const Inside& inside) {
     tape.clear();
     const bool every_loop = tape.every_loop;
-    const auto input = [&](double x) { return tape.add_input(format.shape, x); };
+    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     std::vector<NodeId> of_form, of_box;
     for (const Vec<double>& v : {ray.origin, ray.direction})
         for (int k = 0; k < 3; ++k) of_form.push_back(input(v[k]));
@@ -120,7 +120,7 @@ void record_with(const HullParts& row, const Format& format, const Ray<double>& 
     const TapeOutputs culled = part(*row.box, Target<double>(box), of_box);
     TapeOutputs answer = part(*row.form, target, of_form);
     const bool hit = tape[culled.hit].value != 0 && tape[answer.hit].value != 0;
-    answer.hit = tape.add(TapeOp::both, format.shape, hit ? 1 : 0, {culled.hit, answer.hit});
+    answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {culled.hit, answer.hit});
     tape.outputs = answer;
 }
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,

@@ -37,8 +37,8 @@ Hull<double> outward(const Format& format, const Solid<double>& solid) {
     const auto hull = computed<Way>(lift_solid<Interval>(solid));
     Hull<double> box;
     for (int i = 0; i < 3; ++i) {
-        box.lo[i] = down(hull.lo[i].lower(), format.shape);
-        box.hi[i] = up(hull.hi[i].upper(), format.shape);
+        box.lo[i] = down(hull.lo[i].lower(), format.parameters);
+        box.hi[i] = up(hull.hi[i].upper(), format.parameters);
     }
     return box;
 }

@@ -68,7 +68,7 @@ void with_kernel(const table::Intersector& form, const PackedRow& native, const 
     with_number(format, [&]<class T>() {
         if constexpr (std::same_as<T, float>) use.template operator()<float>(native.f32);
         else if constexpr (std::same_as<T, double>) use.template operator()<double>(native.f64);
-        else use.template operator()<double>([&](const auto&... a) { form.rounded(format.shape, a...); });
+        else use.template operator()<double>([&](const auto&... a) { form.rounded(format.parameters, a...); });
     });
 }
 

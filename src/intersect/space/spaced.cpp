@@ -102,7 +102,7 @@ template <class Inside>
 void record_with(const Made& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
                  Tape& tape, const Inside& inside) {
     tape.clear();
-    const auto input = [&](double x) { return tape.add_input(format.shape, x); };
+    const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     WorldNodes world{};
     for (std::size_t k = 0; k < 6; ++k)
         world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
@@ -114,7 +114,7 @@ void record_with(const Made& row, const Format& format, const Ray<double>& ray, 
     row.space->record(format, tape, world, [&](const ObjectNodes& object) {
         const auto value = [&tape](NodeId node) { return tape[node].value; };
         const auto times = [&](NodeId a, NodeId b, double product) {
-            return tape.add(TapeOp::mul, format.shape, product, {a, b});
+            return tape.add(TapeOp::mul, format.parameters, product, {a, b});
         };
         std::vector<NodeId> inputs(object.ray.begin(), object.ray.end());
         Solid<double> there = solid;

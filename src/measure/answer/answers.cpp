@@ -218,7 +218,7 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
         }
         case Format::Engine::rounded: break;
     }
-    const auto rounded = [&](const auto&... a) { form.rounded(in.format.shape, a...); };
+    const auto rounded = [&](const auto&... a) { form.rounded(in.format.parameters, a...); };
     nearest_among<double>(one_by_one<double>(form, rounded), rays, in, answers);
 }
 
@@ -298,7 +298,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         case Format::Engine::native32: run.template operator()<float>(native.f32); break;
         case Format::Engine::native64: run.template operator()<double>(native.f64); break;
         case Format::Engine::rounded:
-            run.template operator()<double>([&](const auto&... a) { form.rounded(inputs.format.shape, a...); });
+            run.template operator()<double>([&](const auto&... a) { form.rounded(inputs.format.parameters, a...); });
             break;
     }
     return answers;

@@ -250,15 +250,16 @@ double end_margin(const Intersector& row, const Format& format, const Ray<double
                   const Range<double>& range) {
     const auto t = ask_one(row, format, ray, solid, range.tmax);
     if (!t || !std::isfinite(*t)) return truth::missing;
-    const double ulp = std::ldexp(1, static_cast<int>(ulp_exponent(format.shape, *t == 0 ? -100000 : std::ilogb(*t))));
+    const double ulp =
+        std::ldexp(1, static_cast<int>(ulp_exponent(format.parameters, *t == 0 ? -100000 : std::ilogb(*t))));
     const auto is_found = [&](double k) {
-        const double end = rounding::to_format(*t + k * ulp, 0, format.shape);
+        const double end = rounding::to_format(*t + k * ulp, 0, format.parameters);
         return ask_one(row, format, ray, solid, std::min(end, range.tmax)).has_value();
     };
     if (is_found(0)) return 0;
     double lost = 0, found = 1;
     for (; !is_found(found); found *= 2) {
-        if (found > std::ldexp(1, format.shape.precision)) return HUGE_VAL;
+        if (found > std::ldexp(1, format.parameters.precision)) return HUGE_VAL;
         lost = found;
     }
     while (found - lost > 1) {

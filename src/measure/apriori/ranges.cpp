@@ -99,8 +99,8 @@ void put_asked(InputBox& box, const RangesRequest& request, const std::vector<st
             throw InputError(fmt::format("--range {}: {} has no input of that name; {}", asked.name,
                                          request.form->info->name, scene::toml::did_you_mean(asked.name, names)));
         box[static_cast<std::size_t>(found - names.begin())] = {
-            rounding::to_format(asked.range.low, 0, request.format.shape),
-            rounding::to_format(asked.range.high, 0, request.format.shape)};
+            rounding::to_format(asked.range.low, 0, request.format.parameters),
+            rounding::to_format(asked.range.high, 0, request.format.parameters)};
     }
 }
 
@@ -193,7 +193,7 @@ std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, 
             for (const auto& [low, high] : part->box) {
                 // Rounding may lead out of the box, but not out of the ranges, whose ends are numbers of the format.
                 const double x = low == high ? low : random.between(low, high);
-                inputs.push_back(rounding::to_format(x, 0, asking.format.shape));
+                inputs.push_back(rounding::to_format(x, 0, asking.format.parameters));
             }
             all.push_back(std::move(inputs));
         }
@@ -231,7 +231,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         r.given.append(see(asking, rays));
         r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
     }
-    sum_up(r, leaves, bound, request.format.shape);
+    sum_up(r, leaves, bound, request.format.parameters);
     return r;
 }
 

@@ -188,7 +188,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     Blame blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
     if (subject == no_node) return blame;
-    blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.shape);
+    blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.parameters);
     if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
         blame.culprit_alone = counterfactuals(tape_, attribution_.culprit);
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;

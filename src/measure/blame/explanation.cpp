@@ -48,8 +48,8 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     const bool tells_t = form.info->roots != intersect::Roots::none;
     Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
     if (s.outcome != Outcome::agree_hit || !tells_t) return s;
-    s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.shape);
-    s.lost = truth::lost_bits(s.ulps, format.shape.precision);
+    s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
+    s.lost = truth::lost_bits(s.ulps, format.parameters.precision);
     return s;
 }
 
@@ -68,7 +68,7 @@ double lost_around(const Intersector& form, const Format& format, std::span<cons
     for (const OneRay& ray : rays) {
         const Standing s = standing_of(form, format, ray);
         if (s.outcome == Outcome::unresolved) continue;
-        sum += !s.is_right() ? format.shape.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
+        sum += !s.is_right() ? format.parameters.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
         ++known;
     }
     return known == 0 ? missing : sum / known;
@@ -129,7 +129,7 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const OneRay> arou
         try {
             Standing s = standing_of(*held, x.format, ray);
             s.other_question = is_other_question(*x.form, *held, ray);
-            const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.shape.precision);
+            const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
             // A form that tells no t has lost no bits of it, which makes it no better than one that is right.
             const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
             if (s.is_right() && !lost_all && !tells_less && !s.other_question)
@@ -188,11 +188,11 @@ bool Standing::beats(const Standing& other) const {
 double Explanation::ulp_of_subject() const {
     const NodeId s = attribution.subject;
     if (s == no_node) return missing;
-    if (!is_decision(tape[s].op)) return ulp_at(attribution.of[static_cast<std::size_t>(s)].exact, format.shape);
+    if (!is_decision(tape[s].op)) return ulp_at(attribution.of[static_cast<std::size_t>(s)].exact, format.parameters);
     const auto side = [&](std::size_t k) {
         return std::fabs(attribution.of[static_cast<std::size_t>(tape[s].operands[k])].exact);
     };
-    return ulp_at(std::max(side(0), side(1)), format.shape);
+    return ulp_at(std::max(side(0), side(1)), format.parameters);
 }
 
 NodeId Explanation::amplifier(NodeId from) const {
@@ -269,7 +269,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.true_t = ray.rounded_truth(*form.info, binary64);
         x.condition = ray.condition(*form.info);
         reach = ray.reach(*form.info, format);
-        x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.shape);
+        x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
     }
     const int met = answers.object[in.index];
     const bool elsewhere =
@@ -284,7 +284,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         if (outcome != x.standing.outcome) x.in_mesh = outcome;
     }
     if (x.standing.outcome == Outcome::agree_hit)
-        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, reach);
+        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.parameters, reach);
     return x;
 }
 
@@ -293,7 +293,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     Explanation x = explain_alone(form, format, ray);
     const OneRay::Inputs in = ray.inputs(form, format);
     const auto solids = solids_around(x, in, ray.truth(*form.info).object);
-    find_better(x, ray, neighbours_of(ray, in, format.shape, solids), beside);
+    find_better(x, ray, neighbours_of(ray, in, format.parameters, solids), beside);
     return x;
 }
 

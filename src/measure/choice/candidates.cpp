@@ -49,7 +49,7 @@ Worth worth_of(const evaluate::FormSummary& s, const TestedForm& row, const Wish
     return {.rays = s.rays - s.count(answer::Outcome::unresolved),
             .wrong = s.wrong_count(),
             .first = s.wrong(),
-            .kept_bits = row.format.shape.precision - s.metrics[0].quantile(wish.quantile),
+            .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(wish.quantile),
             .hits = s.true_hits,
             .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};
 }

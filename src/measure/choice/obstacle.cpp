@@ -57,12 +57,12 @@ Inherent inherent(const Band& band, const TestedForm& row, const Format& format,
         if (!found.is_hit()) continue;
         const double reach = band.reach(i, row.convention(), unit, {.format = format});
         const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
-        lost.add(truth::inherent_bits(reach, t, format.shape));
+        lost.add(truth::inherent_bits(reach, t, format.parameters));
         // Of a length in units of the direction its share of t*, which is that of the distance.
         const double length = truth::scaled_difference(found.distance, {}, 0), own = truth::scaled_difference(t, {}, 0);
         off.add(own == 0 ? reach : reach * std::fabs(length / own));
     }
-    return {format.shape.precision - lost.quantile(wish.quantile), off.quantile(wish.quantile)};
+    return {format.parameters.precision - lost.quantile(wish.quantile), off.quantile(wish.quantile)};
 }
 
 /// The inputs that a solid has: a box has no radius.
@@ -157,7 +157,7 @@ scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t mo
 Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Wish& wish, const Worth& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;
-    if (wish.bits > row.format.shape.precision) return Cause::width;
+    if (wish.bits > row.format.parameters.precision) return Cause::width;
     if (!found.exact.meets(wish)) return Cause::inputs;
     // Within the envelope the problem is hard; beyond it the formula is bad.
     const bool hard = (found.inherent_kept < wish.bits && !(reached.kept_bits < found.inherent_kept)) ||
@@ -193,7 +193,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
     found.inherent_off = own.off;
     found.inherent_kept_f64 = inherent(*given, row, *find_format("f64"), request.wish).kept;
     const Worth reached = worth_on(*given, row, request.wish);
-    found.base = found.rounded_before ? binary32 : row.format.shape;
+    found.base = found.rounded_before ? binary32 : row.format.parameters;
     found.wider_than_f64 = found.base == binary64;
     if (!ideal.solids.empty() && reached.hits > 0) Trials(request, row, ideal, found).run();
     // What every format gets is exact to the wish; to others the trial without anything wide is what they get.

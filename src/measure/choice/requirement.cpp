@@ -27,7 +27,7 @@ std::uint64_t MeetsAt::count() const { return static_cast<std::uint64_t>(std::ra
 
 Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
     for (const TestedForm& row : of)
-        rows.emplace_back(request.scene->pixels(), request.wish, row.format.shape.precision);
+        rows.emplace_back(request.scene->pixels(), request.wish, row.format.parameters.precision);
 }
 
 std::vector<evaluate::EvaluationSink*> Meetings::sinks() {
@@ -61,7 +61,8 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
         if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
     std::ranges::sort(formats, [](const Format& a, const Format& b) {
-        return a.shape.precision != b.shape.precision ? a.shape.precision < b.shape.precision : a.name < b.name;
+        return a.parameters.precision != b.parameters.precision ? a.parameters.precision < b.parameters.precision
+                                                                : a.name < b.name;
     });
     return formats;
 }

@@ -156,7 +156,7 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::
                                   Growth way, double factor) {
     const auto there = stretched(rays, way, factor);
     if (!there) return std::nullopt;
-    const truth::Band band(stored(there->rays, request.rays->format.shape), request.limit);
+    const truth::Band band(stored(there->rays, request.rays->format.parameters), request.limit);
     const Worth worth = worth_on(band, row, request.wish);
     request.progress(band.pixels());
     return Found{there->value, worth, is_as_meant(band, there->rays.band(request.limit))};

@@ -39,7 +39,7 @@ public:
     /// The operations of a set from which none can be taken; NaN where it does not meet the wish with all of them.
     double wider_operations() {
         if (own_.meets(request_.wish)) return 0;
-        const FloatFormat wider = tape::wider_than(request_.row.format.shape, false);
+        const FloatFormat wider = tape::wider_than(request_.row.format.parameters, false);
         const auto all = judge_->worth_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!all.meets(request_.wish)) return truth::missing;
         return static_cast<double>(smallest_set(tape_, wider, all, request_, *judge_, 0).operations.size());

@@ -154,7 +154,7 @@ ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& on, std::ui
     std::vector<std::string> names;
     for (const ArithmeticRow& row : measured_rows) names.emplace_back(row.name);
     const ArithmeticRow& row = measured_rows[place_of_word(claim, "row", on.row, names)];
-    auto result = judge(claim, row.fraction(claim_format(claim).shape, on.at, seed), nullptr);
+    auto result = judge(claim, row.fraction(claim_format(claim).parameters, on.at, seed), nullptr);
     result.samples = static_cast<std::uint64_t>(row.samples);
     return result;
 }

@@ -119,7 +119,7 @@ struct RowOnBand {
     /// The rays of the pixels, as the form takes directions.
     [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*row.form->info); }
     [[nodiscard]] std::size_t pixels() const { return closest.hit.size(); }
-    [[nodiscard]] const FloatFormat& format() const { return row.format.shape; }
+    [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
     [[nodiscard]] bool is_unit() const { return row.form->info->direction == intersect::Direction::unit; }
     /// A ray, its end and all solids, of which there may be too many: then none.
     [[nodiscard]] scene::rays::RayGroup shown(const Ray<double>& ray, double tmax) const;

@@ -23,7 +23,7 @@ void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
         rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
-                              answers.hit[i] != 0, answers.t[i], row.format.shape));
+                              answers.hit[i] != 0, answers.t[i], row.format.parameters));
     }
 }
 

@@ -126,7 +126,7 @@ public:
           subject_(subject),
           row_(row),
           wanted_(wanted),
-          format_(row.format.shape.precision < binary32.precision ? row.format.shape : binary32),
+          format_(row.format.parameters.precision < binary32.precision ? row.format.parameters : binary32),
           random_(file_.seed) {}
 
     void run(EdgeFinding& finding) {
@@ -229,10 +229,10 @@ private:
         truth::FormatInputs inputs{.format = row_.format, .rays = block_of(litter), .stop = request_.limit.stop};
         const scene::rays::SolidList<double> all =
             scene::rays::solid_list_of({.rays = {}, .solids = {}, .mesh = subject_.columns});
-        inputs.solids = round_solids(all, row_.format.shape);
+        inputs.solids = round_solids(all, row_.format.parameters);
         culling::Culler culler(all, inputs.rays);
-        inputs.candidates =
-            std::make_shared<culling::CandidateLists>(*culler.for_forms(row_.format.shape, inputs.solids), inputs.rays);
+        inputs.candidates = std::make_shared<culling::CandidateLists>(
+            *culler.for_forms(row_.format.parameters, inputs.solids), inputs.rays);
         const answer::Answers answers = answer::evaluate(*row_.form, inputs);
         std::vector<Aimed> few;
         for (std::size_t i = 0; i < litter.size(); ++i) {

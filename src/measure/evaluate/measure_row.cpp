@@ -80,7 +80,7 @@ private:
             ulps_ = own_ulps_.data();
         }
         std::vector<std::uint32_t> left;
-        largest_ = columns::find_errors(measured_, truth_, row_.format.shape,
+        largest_ = columns::find_errors(measured_, truth_, row_.format.parameters,
                                         {.ulp = ulps_,
                                          .lost = column_of(InColumns::lost_bits),
                                          .correct = column_of(InColumns::correct_bits),
@@ -89,7 +89,7 @@ private:
                                         left);
         for (const std::uint32_t i : left) {
             const Truth truth = result_.truth(i);
-            ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.shape);
+            ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.parameters);
             if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
         }
         if (double* const residuals = column_of(InColumns::residual)) {
@@ -116,8 +116,8 @@ private:
         const std::span<double> which = column("against"), apart = column("apart");
         if (which.empty() && apart.empty()) return;
         answer::compare_against(*result_.answers, answer::evaluate(*row_.against, *result_.inputs),
-                                answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.shape, which,
-                                apart);
+                                answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.parameters,
+                                which, apart);
     }
 
     /// All that no column can hold, of each ray whose outcome it is for.
@@ -182,7 +182,8 @@ private:
         const Truth truth = result_.truth(i);
         Sample sample = sample_of(i, ray, solid, truth);
         if (needs_ & metric::needs_rounded_truth)
-            sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
+            sample.truth_rounded =
+                result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
         const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
         if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());

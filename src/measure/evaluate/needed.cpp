@@ -46,7 +46,7 @@ struct Scan {
 void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
           NeededBand& result) {
     if (scan.pixels.empty()) return;
-    const int width = inputs.format.shape.precision;
+    const int width = inputs.format.parameters.precision;
     const answer::Answers answers = answer::evaluate(form, only(inputs, *form.info, scan.pixels));
     const bool tells = form.info->roots != intersect::Roots::none;
     std::size_t kept = 0;

@@ -253,7 +253,7 @@ private:
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
             result_.first.push_back(contract::judged(in.rays_for(*row.form->info)[i],
                                                      in.solids[static_cast<std::size_t>(object)], truth, unit, hit,
-                                                     piece.answers.t[i], row.format.shape));
+                                                     piece.answers.t[i], row.format.parameters));
         }
     }
 

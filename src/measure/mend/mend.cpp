@@ -178,7 +178,7 @@ Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations) {
 }
 
 Mended mend(const MendRequest& request, std::uint64_t affordable) {
-    Mended m{.tape = recorded(request), .wider = tape::wider_than(request.row.format.shape, request.two_words)};
+    Mended m{.tape = recorded(request), .wider = tape::wider_than(request.row.format.parameters, request.two_words)};
     const std::vector<NodeId> all = tape::rounded_operations(m.tape);
     m.operations = all.size();
     Judge judge(request);

@@ -44,8 +44,8 @@ double origin_error(const Sample& s) {
 
 double origin_lost_bits(const Sample& s) {
     if (!s.true_ray) return missing;
-    if (!is_finite(s.ray->origin)) return s.format->shape.precision;
-    return bits_off(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->shape);
+    if (!is_finite(s.ray->origin)) return s.format->parameters.precision;
+    return bits_off(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->parameters);
 }
 
 /// By the sine and the cosine, which are good near 0 and near a right angle.
@@ -58,8 +58,8 @@ double direction_error(const Sample& s) {
 
 double direction_lost_bits(const Sample& s) {
     if (!s.true_ray) return missing;
-    if (!has_direction(s)) return s.format->shape.precision;
-    return bits_off(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->shape);
+    if (!has_direction(s)) return s.format->parameters.precision;
+    return bits_off(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->parameters);
 }
 
 /// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye; f is where the camera looks.

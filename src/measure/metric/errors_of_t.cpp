@@ -18,7 +18,7 @@ namespace {
 
 /// (x − y) in ulps of the format at t*.
 double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
-    return truth::scaled_difference(x, y, ulp_exponent(s.format->shape, s.truth->floor_log2()));
+    return truth::scaled_difference(x, y, ulp_exponent(s.format->parameters, s.truth->floor_log2()));
 }
 
 double error_at_zero(const Sample& s) {
@@ -88,13 +88,13 @@ constexpr Metric rows_of_t[] = {
 
 }  // namespace
 
-double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.format->shape); }
-double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->shape.precision); }
-double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
+double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.format->parameters); }
+double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
+double correct(const Sample& s) { return s.format->parameters.precision - lost(s); }
 
 /// Of binary64 the numbers of either sign fill 63 bits: the steps between them are a number without a sign.
 double herbie(const Sample& s) {
-    const auto place = [&s](double x) { return truth::ordinal(x, s.format->shape); };
+    const auto place = [&s](double x) { return truth::ordinal(x, s.format->parameters); };
     const auto [low, high] = std::minmax({place(s.t), place(s.truth_rounded)});
     return bits::log2_of(1 + static_cast<double>(static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low)));
 }
@@ -120,7 +120,7 @@ double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth
 double model_error(const Sample& s) { return s.own && s.self ? in_ulps(s, *s.self, *s.own) : missing; }
 double rounding_error(const Sample& s) {
     if (!s.self) return missing;
-    if (std::isinf(s.t)) return truth::may_round_to(*s.self, s.t, s.format->shape) ? 0 : s.t;
+    if (std::isinf(s.t)) return truth::may_round_to(*s.self, s.t, s.format->parameters) ? 0 : s.t;
     return in_ulps(s, truth::exactly(s.t), *s.self);
 }
 

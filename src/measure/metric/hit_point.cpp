@@ -21,7 +21,7 @@ namespace {
 
 /// P = o + t·d as the format computes it: a product and a sum, each rounded.
 Vec<double> hit_point(const Sample& s) {
-    const FloatFormat& f = s.format->shape;
+    const FloatFormat& f = s.format->parameters;
     const auto along = [&](double o, double d) {
         switch (s.format->engine) {
             case Format::Engine::native32: {
@@ -203,7 +203,7 @@ double point_error(const Sample& s) {
         worst = std::max(worst, std::fabs(off.hi()));
         largest = std::max(largest, std::fabs(p[i]));
     }
-    return worst / ((1 + largest) * std::ldexp(1, -s.format->shape.precision));
+    return worst / ((1 + largest) * std::ldexp(1, -s.format->parameters.precision));
 }
 
 double projected_error(const Sample& s) {

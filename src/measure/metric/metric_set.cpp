@@ -32,7 +32,7 @@ double cancellation(const Sample& s) {
 double step_error(const Sample& s) {
     const auto found = std::ranges::find(intersect::space::step_names, s.label);
     const auto k = static_cast<std::size_t>(found - intersect::space::step_names.begin());
-    return s.steps ? s.steps->error(k, ulp_exponent(s.format->shape, s.truth->floor_log2())) : missing;
+    return s.steps ? s.steps->error(k, ulp_exponent(s.format->parameters, s.truth->floor_log2())) : missing;
 }
 
 double number_of(std::string_view label) {

@@ -39,12 +39,12 @@ bool explains_t(const Sample& s) {
 
 double cestac_bits(const Sample& s) {
     if (!explains_t(s)) return missing;
-    return stability::RandomRuns(*s.blame->tape).correct_bits(s.format->shape.precision);
+    return stability::RandomRuns(*s.blame->tape).correct_bits(s.format->parameters.precision);
 }
 
 double cestac_error(const Sample& s) {
     if (!explains_t(s)) return missing;
-    const int precision = s.format->shape.precision;
+    const int precision = s.format->parameters.precision;
     const stability::RandomRuns runs(*s.blame->tape);
     const double error = (runs.mean() - s.t) + s.blame->attribution->error;
     return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.blame->ulp, precision));

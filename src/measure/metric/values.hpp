@@ -10,7 +10,7 @@
 namespace lostbits::measure::metric {
 
 /// In u = 2^-p.
-inline double in_roundoffs(double x, const Sample& s) { return std::ldexp(x, s.format->shape.precision); }
+inline double in_roundoffs(double x, const Sample& s) { return std::ldexp(x, s.format->parameters.precision); }
 
 // Of a sample with t and t* (errors_of_t.cpp).
 double ulp_error(const Sample& s);

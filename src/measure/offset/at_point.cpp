@@ -129,7 +129,7 @@ public:
     }
 
     [[nodiscard]] double smallest(Side side, bool by_form) const {
-        const FloatFormat& format = work_.row_.format.shape;
+        const FloatFormat& format = work_.row_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : own().used()) size = std::max(size, std::fabs(x));
@@ -211,7 +211,7 @@ private:
         for (const NewRay& r : all) {
             Vec<double> w = r.ray.direction;
             if (info.direction == intersect::Direction::unit && is_finite(w))
-                w = truth::unit_direction(w, work_.row_.format.shape);
+                w = truth::unit_direction(w, work_.row_.format.parameters);
             for (int i = 0; i < 3; ++i) {
                 numbers[static_cast<std::size_t>(i)].push_back(static_cast<S>(r.ray.origin[i]));
                 numbers[static_cast<std::size_t>(i) + 3].push_back(static_cast<S>(w[i]));
@@ -243,7 +243,7 @@ private:
         const intersect::table::Intersector& form = *work_.row_.form;
         if constexpr (std::is_same_v<T, float>) form.native32(batch, solid, answers);
         else if constexpr (std::is_same_v<T, double>) form.native64(batch, solid, answers);
-        else form.rounded(work_.row_.format.shape, batch, solid, answers);
+        else form.rounded(work_.row_.format.parameters, batch, solid, answers);
     }
 
     /// The first of the roots that the form tells in (tmin, tmax); NaN where there is none.

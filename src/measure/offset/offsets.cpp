@@ -74,7 +74,7 @@ private:
     static bool is_unit(const OffsetRow& row) { return row.row.form->info->direction == intersect::Direction::unit; }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!request_.scene->appearance.light) return std::nullopt;
-        return picture::input_appearance(*request_.scene, row_.row.format.shape).light;
+        return picture::input_appearance(*request_.scene, row_.row.format.parameters).light;
     }
     [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
@@ -87,7 +87,7 @@ private:
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
         const double size = largest_of(p);
         const long binade = size > 0 ? std::ilogb(size) : std::numeric_limits<int>::min();
-        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.row.format.shape, binade)));
+        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.row.format.parameters, binade)));
     }
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {

@@ -190,7 +190,7 @@ private:
         Cast cast{drop(start), drop(way), 1};
         if (unit() && is_finite(cast.direction)) {
             cast.reach = as_double(length(way));
-            cast.direction = truth::unit_direction(cast.direction, row_.format.shape);
+            cast.direction = truth::unit_direction(cast.direction, row_.format.parameters);
         }
         return cast;
     }
@@ -278,9 +278,9 @@ std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band
     std::map<std::string, Inputs> inputs;
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
-        inputs.emplace(name,
-                       Inputs{band.inputs(format, need), input_appearance(*request.scene, format.shape),
-                              input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.shape)});
+        inputs.emplace(
+            name, Inputs{band.inputs(format, need), input_appearance(*request.scene, format.parameters),
+                         input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.parameters)});
     }
     return inputs;
 }

@@ -195,7 +195,7 @@ ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const eval
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
-            row.format.shape.precision - accuracy.metrics[lost].quantile(0.99)};
+            row.format.parameters.precision - accuracy.metrics[lost].quantile(0.99)};
 }
 
 std::vector<bool> dominated(const std::vector<ParetoPoint>& all) {

@@ -42,7 +42,7 @@ bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m
 std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost = metric::place_of(metrics, "lost_bits"), stop = metric::place_of(metrics, "stop");
     std::vector<Event> events;
-    const double p = row.format.shape.precision;
+    const double p = row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
@@ -259,7 +259,7 @@ FormSummary run_cases_together(const CaseRequest& request, std::size_t row, cons
     const evaluate::TestedForm& what = request.rows[row];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t number : numbers) {
-        for (scene::rays::RayGroup& group : request.file->rays(number, what.format.shape))
+        for (scene::rays::RayGroup& group : request.file->rays(number, what.format.parameters))
             groups.push_back(std::move(group));
     }
     return std::move(evaluate::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
@@ -275,8 +275,9 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
         for (const auto& [name, places] : by_format) {
             std::vector<evaluate::TestedForm> rows;
             for (const std::size_t row : places) rows.push_back(request.rows[row]);
-            auto summaries = evaluate::measure_groups(request.file->rays(units.first + i, rows.front().format.shape),
-                                                      rows, request.metrics, request.limit);
+            auto summaries =
+                evaluate::measure_groups(request.file->rays(units.first + i, rows.front().format.parameters), rows,
+                                         request.metrics, request.limit);
             for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
         }
         request.progress(request.rows.size());

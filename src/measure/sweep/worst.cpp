@@ -125,7 +125,7 @@ private:
             if (file_.nearest) approach(p);
             if (file_.at_edge) put_edge(p);
             else aim(p);
-            for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.shape);
+            for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.parameters);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return std::nullopt;
@@ -134,7 +134,7 @@ private:
     /// In [1, 2): any, or a few last places from a power of two.
     double significand() {
         const double m = 1 + random_.unit(),
-                     sparse = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.shape.precision - 1));
+                     sparse = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.parameters.precision - 1));
         const double drawn[] = {m, 1 + sparse, 2 - sparse};
         return drawn[random_.below(3)];
     }
@@ -154,11 +154,11 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             p.x[6 + k] = file_.ranges[6 + k].low;
             p.x[9 + k] = file_.ranges[9 + k].high;
-            p.x[3 + k] = rounding::to_format(p.x[3 + k], 0, row_.format.shape);
+            p.x[3 + k] = rounding::to_format(p.x[3 + k], 0, row_.format.parameters);
         }
         for (const std::size_t k : {enter, leave}) {
             double& plane = p.x[((p.x[3 + k] > 0) == (k == enter) ? 6 : 9) + k];
-            plane = rounding::to_format(p.x[k] + t * p.x[3 + k], 0, row_.format.shape);
+            plane = rounding::to_format(p.x[k] + t * p.x[3 + k], 0, row_.format.parameters);
             p.x[k] = plane - t * p.x[3 + k];
         }
     }
@@ -175,7 +175,7 @@ private:
             if (out < exit) exit = out, leave = k;
         }
         const double d = p.x[3 + leave];
-        p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.shape);
+        p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.parameters);
     }
 
     /// Moves the centre to where the search still has something to gain: between the smallest distance allowed and the
@@ -218,13 +218,13 @@ private:
     }
 
     double stepped(double x) {
-        const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
-        return step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+        const auto steps = std::int64_t{1} << random_.below(row_.format.parameters.precision + 2);
+        return step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.parameters);
     }
 
     /// x with one bit of its significand turned, or twice or half of it.
     double with_a_bit_turned(double x) {
-        const FloatFormat& f = row_.format.shape;
+        const FloatFormat& f = row_.format.parameters;
         const int bit = random_.below(f.precision + 1) - 2;
         if (bit < 0) return rounding::to_format(bit == -1 ? 2 * x : x / 2, 0, f);
         const std::int64_t n = truth::ordinal(std::fabs(x), f), turned = n ^ (std::int64_t{1} << bit);

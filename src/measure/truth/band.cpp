@@ -222,7 +222,7 @@ Truth Band::truth(std::size_t i, Convention convention) const {
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     FormatInputs in{.format = format, .paired = paired_, .stop = limit_.stop};
-    const FloatFormat& shape = format.shape;
+    const FloatFormat& shape = format.parameters;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
         in.solids = round_solids(ideal_solids_, shape);

@@ -53,7 +53,7 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction un
     const std::vector<double>& known = of.reach[static_cast<std::size_t>(perturbed)];
     const bool closed = !known.empty() && !(convention.is_special() && asks_anew(i, convention)) &&
                         find_apart(i, convention) == nullptr;
-    const double t = closed ? known[i] : reach_of(i, truth(i, convention), of.format.shape, perturbed);
+    const double t = closed ? known[i] : reach_of(i, truth(i, convention), of.format.parameters, perturbed);
     if (unit_of != intersect::Direction::unit) return t;
     return with_ray(i, [&](const auto& ray, const auto&) {
         return t * std::hypot(double(ray.direction.x), double(ray.direction.y), double(ray.direction.z));
@@ -68,7 +68,7 @@ void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
         intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
             limit_.stop.check();
             for (std::size_t i = range.begin(); i < range.end(); ++i)
-                all[i] = reach_of(i, truths_[i], in.format.shape, perturbed);
+                all[i] = reach_of(i, truths_[i], in.format.parameters, perturbed);
         });
     }
 }

@@ -23,7 +23,7 @@ public:
           text_(x.tape, x.names, measure::blame::TapeText::Style::plain),
           slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
           rounds_(x.format.engine == Format::Engine::rounded) {
-        wide_ = rounds_ && x.format.shape.precision > 25;
+        wide_ = rounds_ && x.format.parameters.precision > 25;
     }
 
     std::string written() {
@@ -98,11 +98,11 @@ private:
         throw InputError(
             fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
                         "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
-                        text_.definition(i), file::decimal(n.value), x_.format.shape.precision));
+                        text_.definition(i), file::decimal(n.value), x_.format.parameters.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
-        const FloatFormat& f = x_.format.shape;
+        const FloatFormat& f = x_.format.parameters;
         std::string text = fmt::format(
             "/* r + rest, where r is the nearest double, rounded to {0} significand bits, exponents {1} to {2}, "
             "nearest even. "

@@ -51,7 +51,8 @@ public:
         return fmt::format(
             "(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    "
             ")\n    {}))\n",
-            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.shape), pre(), body, operand(t));
+            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.parameters), pre(), body,
+            operand(t));
     }
 
 private:
@@ -80,7 +81,7 @@ private:
     }
     [[nodiscard]] std::string number(NodeId i) const {
         const std::string text = written(i);
-        const bool other = !(x_.tape.format_of(i) == x_.format.shape);
+        const bool other = !(x_.tape.format_of(i) == x_.format.parameters);
         return other ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text) : text;
     }
 

@@ -52,7 +52,7 @@ std::string left_of(const char* mark, const OperationRow& row) {
 std::string line_of(const Explanation& x, const OperationWords& words, const OperationRow& row) {
     const bool decides = row.digits == 0, aside = row.whole && !decides && !words.of(row.node).live;
     const char* const mark = row.culprit ? "* " : aside ? "- " : "  ";
-    const int width = digits_of(x.format.shape) + 6;
+    const int width = digits_of(x.format.parameters) + 6;
     const auto number = [&](double v) {
         if (decides) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, row.digits + 6), row.digits);
@@ -65,7 +65,7 @@ std::string line_of(const Explanation& x, const OperationWords& words, const Ope
 }
 
 std::string table(const Explanation& x, const OperationWords& words, bool all) {
-    const int width = digits_of(x.format.shape) + 6;
+    const int width = digits_of(x.format.parameters) + 6;
     std::string text =
         padded("  operation", widest_expression) +
         fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", width, "without rounding", width,
@@ -195,7 +195,7 @@ std::string verdict(const Explanation& x) {
                                : fmt::format("; the problem is ill-conditioned in {}, and the formula loses no "
                                              "more. The inputs are exact: wider arithmetic on them helps.",
                                              x.format.name));
-    if (x.inherent >= x.format.shape.precision)
+    if (x.inherent >= x.format.parameters.precision)
         return envelope + fmt::format(", but cannot move t so far; the formula loses {:.1f} bits.", x.excess());
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }

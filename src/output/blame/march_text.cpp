@@ -23,11 +23,11 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
     const std::string decided = decision_text("The form", outcome, log.hit.t, true_t);
     if (!decided.empty()) return decided;
     const measure::truth::Certified& t = ray.true_t(*form.info);
-    const double ulps = measure::truth::ulp_error(log.hit.t, t, format.shape);
+    const double ulps = measure::truth::ulp_error(log.hit.t, t, format.parameters);
     return fmt::format(
         "The form reports a hit at {} ({}), and the true one is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
         file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(true_t), ulps,
-        measure::truth::lost_bits(ulps, format.shape.precision), format.shape.precision);
+        measure::truth::lost_bits(ulps, format.parameters.precision), format.parameters.precision);
 }
 
 /// What became of a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are
@@ -50,7 +50,7 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
     const auto& [log, c] = march;
-    const int digits = digits_of(format.shape), width = digits + 7;
+    const int digits = digits_of(format.parameters), width = digits + 7;
     std::string text =
         fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
                     file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),

@@ -42,7 +42,8 @@ std::string outcome_sentence(const Explanation& x) {
     const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
     if (!decided.empty()) return decided;
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
-                       file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost, x.format.shape.precision,
+                       file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost,
+                       x.format.parameters.precision,
                        is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
 }
 
@@ -204,7 +205,7 @@ std::string better_sentence(const Explanation& x) {
             "there "
             "{} loses {:.1f} bits in the mean, a wrong decision counted as all {}.\n",
             text, left > 0 ? fmt::format(" and {} more", left) : "", measure::blame::neighbours, x.form->info->name,
-            x.standing.around, x.format.shape.precision);
+            x.standing.around, x.format.parameters.precision);
     return text + beside_sentences(x, told);
 }
 

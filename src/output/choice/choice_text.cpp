@@ -157,7 +157,7 @@ std::string own_answers(const Chosen& chosen) {
     if (!chosen.request.rays || !chosen.request.rays->answers) return "";
     const auto& [name, format, worth] = *chosen.request.rays->answers;
     return fmt::format("The answers that were there, {} in {}: {}, {}; {} the wish. Their time is not known.\n", name,
-                       format.name, kept(worth, format.shape.precision, chosen.request.wish), decisions(worth),
+                       format.name, kept(worth, format.parameters.precision, chosen.request.wish), decisions(worth),
                        worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
 }
 
@@ -169,7 +169,7 @@ std::string costs(const Chosen& chosen, const Candidate& c) {
     const auto of_other = [&](const Candidate& other) {
         return fmt::format("{} ({:.2f} ns{}; {}, {})", name_of_row(other), nanoseconds(other),
                            other.isa == c.isa ? "" : " " + width_of(other),
-                           kept(other.worth, other.row.format.shape.precision, wish), decisions(other.worth));
+                           kept(other.worth, other.row.format.parameters.precision, wish), decisions(other.worth));
     };
     const Candidate* const rival = &all[fast] == &c           ? rival_of(c, all)
                                    : is_as_fast(c, all[fast]) ? &all[fast]
@@ -185,13 +185,13 @@ std::string costs(const Chosen& chosen, const Candidate& c) {
         text += fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                             times(nanoseconds(c) / nanoseconds(all[accurate])), name_of_row(all[accurate]),
                             nanoseconds(all[accurate]),
-                            kept(all[accurate].worth, all[accurate].row.format.shape.precision, wish));
+                            kept(all[accurate].worth, all[accurate].row.format.parameters.precision, wish));
     return text;
 }
 
 std::string nothing_meets(const Chosen& chosen) {
     const Candidate& near = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.wish)];
-    const int precision = near.row.format.shape.precision;
+    const int precision = near.row.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the wish. Nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
                     kept(near.worth, precision, chosen.request.wish), decisions(near.worth), nanoseconds(near));
@@ -208,7 +208,7 @@ std::string mended_in_words(const Chosen& chosen) {
     for (const MendedCandidate& one : *chosen.mended) {
         const auto found =
             std::ranges::find(chosen.all, one.name, [](const Candidate& c) { return c.row.form->info->name; });
-        const int precision = found->row.format.shape.precision;
+        const int precision = found->row.format.parameters.precision;
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how, kept(found->worth, precision, wish),
                             decisions(found->worth), nanoseconds(*found));
         text += fmt::format("  On rays on which nothing was searched: {}, {}{}. Its file: {}\n",
@@ -269,7 +269,7 @@ std::string in_words(const Chosen& chosen) {
         text += nothing_meets(chosen);
     } else {
         const Candidate& c = chosen.all[*chosen.meets];
-        const int precision = c.row.format.shape.precision;
+        const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c),
                             kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
         text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c), width_of(c));

@@ -92,7 +92,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Wish& wish = chosen.request.wish;
     const std::string& format = near.row.format.name;
-    const int precision = near.row.format.shape.precision;
+    const int precision = near.row.format.parameters.precision;
     const std::string exact = kept_and_wrong(found.exact, wish);
     const std::string left = bits(found.inherent_kept, wish, found.inherent_off);
     const std::string in_f64 =

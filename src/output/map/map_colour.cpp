@@ -41,8 +41,10 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
 namespace {
 
 int common_precision(std::span<const measure::evaluate::TestedForm> rows) {
-    const int first = rows.empty() ? 0 : rows.front().format.shape.precision;
-    const auto same = [first](const measure::evaluate::TestedForm& row) { return row.format.shape.precision == first; };
+    const int first = rows.empty() ? 0 : rows.front().format.parameters.precision;
+    const auto same = [first](const measure::evaluate::TestedForm& row) {
+        return row.format.parameters.precision == first;
+    };
     return std::ranges::all_of(rows, same) ? first : 0;
 }
 

@@ -51,7 +51,7 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 /// Whether every number of the format is one of binary32.
 bool is_within_float(const Format& format) {
-    const FloatFormat& f = format.shape;
+    const FloatFormat& f = format.parameters;
     return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;
 }
 

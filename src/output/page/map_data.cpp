@@ -170,7 +170,7 @@ private:
         const Direction direction = row_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
         const double costs = measure::truth::inherent_bits(
-            reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.shape);
+            reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.parameters);
         const std::uint64_t bits = image::float_word(costs);
         layer.set(at, folded_difference(bits, before_ == 0 ? last_ : Group::pointed_to(before_, last_), 4));
         before_ = last_;
@@ -215,7 +215,7 @@ std::vector<EvaluationSink*> MapData::sinks() {
 namespace {
 
 Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
-    const map::MetricPaint paint(m, rows.front().format.shape, image::image_backend());
+    const map::MetricPaint paint(m, rows.front().format.parameters, image::image_backend());
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
@@ -229,7 +229,7 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     if (paint.scale()) {  // one a format, as the pictures have it
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& row : rows)
-            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.shape, image::image_backend()));
+            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters, image::image_backend()));
         return json;
     }
     Json& categories = json["categories"] = Json::array();
@@ -258,7 +258,7 @@ Json summary_json(const EvaluationRequest& request, const TestedForm& row, const
             array_of(measure::metric::quantiles,
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
-    const FloatFormat& f = row.format.shape;
+    const FloatFormat& f = row.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
     return {
         {"form", row.form->info->name},

@@ -45,7 +45,7 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
     }
     return {{"form", row.form->info->name},
             {"format", row.format.name},
-            {"precision", row.format.shape.precision},
+            {"precision", row.format.parameters.precision},
             {"from", blame::where_form_is_from(row.form->info->name)},
             {"look", plot::form_look(*row.form)},
             {"values", std::move(values)},
@@ -73,7 +73,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json far = Json::object();
     for (const measure::evaluate::TestedForm& row : request.rows) {
         if (far.contains(row.format.name)) continue;
-        const auto part = sweep::too_far(*request.sweep, row.format.shape);
+        const auto part = sweep::too_far(*request.sweep, row.format.parameters);
         far[row.format.name] = part ? Json::array({number_json(part->from), number_json(part->to)}) : Json();
     }
     return {
@@ -98,8 +98,8 @@ namespace {
 /// colours are mixed with.
 void add_paint(Json& json, const std::vector<measure::evaluate::TestedForm>& rows) {
     for (const measure::evaluate::TestedForm& row : rows)
-        json["scales"][row.format.name] = scale_json(
-            map::metric_scale(*measure::metric::find_metric("lost_bits"), row.format.shape, image::image_backend()));
+        json["scales"][row.format.name] = scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"),
+                                                                       row.format.parameters, image::image_backend()));
     json["paper"] = colour_json(image::style::page);
     json["gap_means"] = sweep::gap_means();
     json["statistics"] = sweep_statistics;
@@ -208,7 +208,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
         for (const Wanted& w : wanted) {
-            const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.shape.precision;
+            const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.parameters.precision;
             const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
                 return o.row == r && o.event == w.event && o.statistic == w.statistic && o.threshold == threshold;
             });

@@ -134,7 +134,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                 measure::sweep::verdict_of(cases[i][r], request.metrics, request.file->right_within_bits);
             any_wrong_value |= verdict == Verdict::wrong_value;
             any_within |= verdict == Verdict::within_inputs;
-            spec.cells.push_back(look(cases[i][r], verdict, request.rows[r].format.shape));
+            spec.cells.push_back(look(cases[i][r], verdict, request.rows[r].format.parameters));
         }
     }
     if (any_within) {

@@ -107,7 +107,7 @@ void write_plane_picture(const std::filesystem::path& path, const SweepRequest& 
         .x = plane.x,
         .y = plane.y,
         .cells = {},
-        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.shape, backend),
+        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters, backend),
         .unit = "lost bits",
         .legend = {}};
     FormSummary drawn;

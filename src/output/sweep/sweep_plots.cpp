@@ -137,7 +137,7 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
                       inherent = measure::metric::place_of(request.metrics, "inherent_bits");
     Quantity quantity{
         .title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-        .axis = {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+        .axis = {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.parameters.precision)},
         .value = [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
         .over_hits = true};
     if (inherent < request.metrics.size())

@@ -18,7 +18,7 @@ Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns
         if (!layout.has(s)) continue;
         const auto format = columns[layout.place_of(s)].type.format();
         if (format && s == slot::t) return *format;
-        if (format && (!widest || format->shape.precision > widest->shape.precision)) widest = format;
+        if (format && (!widest || format->parameters.precision > widest->parameters.precision)) widest = format;
     }
     return widest.value_or(*find_format("f64"));
 }

@@ -64,7 +64,7 @@ bool read_whole(std::string_view text, F& value) {
 }  // namespace
 
 NumberWords::NumberWords(const Format& format)
-    : format_(format), digits_(static_cast<int>(std::ceil(1 + format.shape.precision * std::log10(2.0)))) {}
+    : format_(format), digits_(static_cast<int>(std::ceil(1 + format.parameters.precision * std::log10(2.0)))) {}
 
 Word NumberWords::read(std::string_view text) const {
     const std::string_view magnitude = unsigned_part(text);
@@ -128,7 +128,7 @@ Word NumberWords::read_slowly(std::string_view text) const {
     if (const auto* const fault = std::get_if<toml::NumberFault>(&parsed))
         return {fault->too_large ? Kind::too_large : Kind::not_a_number_word};
     const Real& exact = std::get<Real>(parsed);
-    Word word{Kind::number, toml::round_to_format(exact, format_.shape)};
+    Word word{Kind::number, toml::round_to_format(exact, format_.parameters)};
     if (std::isinf(word.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
     const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');

@@ -115,7 +115,7 @@ RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
 
 RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
     Tape whole;
-    const auto ray = by_->record(format, stored(format.shape), at, whole);
+    const auto ray = by_->record(format, stored(format.parameters), at, whole);
     static const std::vector<std::string> names = [] {
         auto all = camera::camera_number_names();
         all.insert(all.end(), {"pixel.x", "pixel.y", "pixel.left"});
@@ -139,7 +139,7 @@ RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
         NodeId& there = place[static_cast<std::size_t>(i)];
         if (n.op == TapeOp::input) {
             made.names.push_back(names[static_cast<std::size_t>(n.operands[0])]);
-            there = made.tape.add_input(format.shape, n.value);
+            there = made.tape.add_input(format.parameters, n.value);
         } else {
             there = made.tape.add(n.op, whole.format_of(i), n.value, {operand(0), operand(1), operand(2)});
             made.tape[there].label = n.label;

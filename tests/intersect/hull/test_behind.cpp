@@ -40,7 +40,7 @@ const Intersector& form(std::string_view name) {
 }
 
 Solid<double> stored(const Solid<double>& solid, const Format& format) {
-    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.shape); });
+    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.parameters); });
 }
 
 Point point(const Solid<double>& s, std::size_t k) {

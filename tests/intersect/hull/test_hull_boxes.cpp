@@ -28,7 +28,7 @@ namespace {
 const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p9 = *find_format("p9");
 
 Solid<double> stored(const Solid<double>& solid, const Format& format) {
-    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.shape); });
+    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.parameters); });
 }
 
 /// The box of a solid in fractions, as its keys have it and without them: c ± r of a sphere, and so on.
@@ -101,7 +101,7 @@ TEST_CASE("the box rounded outward is the least of its format, the others are of
                 Solid<double> solid = random_solid(r, *shape_named(name), format);
                 const ExactBox own = exact_box(solid);
                 std::array<double, 12> m{};
-                for (double& x : m) x = rounding::to_format(r.uniform(-2, 2), 0, format.shape);
+                for (double& x : m) x = rounding::to_format(r.uniform(-2, 2), 0, format.parameters);
                 const bool placed = n % 2 == 1;
                 if (placed) solid.placed = Placement<double>{m, false, orientation_of(m)};
                 const ExactBox exact = placed ? exact_box_in_world(own, m) : own;
@@ -110,8 +110,8 @@ TEST_CASE("the box rounded outward is the least of its format, the others are of
                 const Hull<double> next = find_hull("next")->in(format, solid);
                 for (int i = 0; i < 3; ++i) {
                     const auto k = static_cast<std::size_t>(i);
-                    const auto up = [&](double x) { return Rational(rounding::next_up(x, format.shape)); };
-                    const auto down = [&](double x) { return Rational(-rounding::next_up(-x, format.shape)); };
+                    const auto up = [&](double x) { return Rational(rounding::next_up(x, format.parameters)); };
+                    const auto down = [&](double x) { return Rational(-rounding::next_up(-x, format.parameters)); };
                     REQUIRE(Rational(least.lo[i]) <= exact.lo[k]);
                     REQUIRE(up(least.lo[i]) > exact.lo[k]);
                     REQUIRE(Rational(least.hi[i]) >= exact.hi[k]);

@@ -157,7 +157,7 @@ TEST_CASE("batches answer as ray by ray, and the tape of a row as its kernel") {
             for (const Format& format : {*find_format("f32"), *find_format("f64")}) {
                 Seeded r(5);
                 for (int i = 0; i < 20; ++i) {
-                    const Asked a = draw(r, form->shape, format.shape, 3);
+                    const Asked a = draw(r, form->shape, format.parameters, 3);
                     const One alone = ask(row, format, a);
                     Tape tape;
                     row.record(format, a.ray, Target<double>(a.solid), HUGE_VAL, tape);
@@ -232,16 +232,16 @@ TEST_CASE("what the steps are assigned sums to the error, and a stored inverse l
             for (const Format& format : {*find_format("f32"), *find_format("f64"), *find_format("p12")}) {
                 Seeded r(11);
                 for (int i = 0; i < 12; ++i) {
-                    Asked a = draw(r, form->shape, format.shape, 2);
+                    Asked a = draw(r, form->shape, format.parameters, 2);
                     a.solid.placed->is_inverse = i % 3 == 2;
-                    if (a.solid.placed->is_inverse) a.ray.origin = rounded(a.ray.origin, format.shape);
+                    if (a.solid.placed->is_inverse) a.ray.origin = rounded(a.ray.origin, format.parameters);
                     CAPTURE(i, format.name, a.ray.origin.x, a.ray.direction.x);
                     const auto steps = measure::answer::steps_of(row, format, a.ray, a.solid);
                     if (format.engine != Format::Engine::rounded && steps.t.back())
                         REQUIRE(ask(row, format, a).t == std::ldexp(steps.t.back()->hi + steps.t.back()->lo,
                                                                     static_cast<int>(steps.t.back()->exponent)));
                     if (!std::ranges::all_of(steps.t, [](const auto& t) { return t.has_value(); })) continue;
-                    const std::int64_t ulp = ulp_exponent(format.shape, steps.t[0]->floor_log2());
+                    const std::int64_t ulp = ulp_exponent(format.parameters, steps.t[0]->floor_log2());
                     double sum = 0, size = 0;
                     for (std::size_t k = 0; k < measure::answer::step_count; ++k)
                         sum += steps.error(k, ulp), size += std::fabs(steps.error(k, ulp));

@@ -60,7 +60,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
     const auto inputs = measure::tape::inputs_of(x.ray, x.solid, x.tmax);
     const Tape tape = measure::tape::tape_of(form, format);
     const TapeBound bound(tape);
-    const InputBox box = around(inputs, random, format.shape);
+    const InputBox box = around(inputs, random, format.parameters);
     const Subdivided parts(bound, box, 8, never);
     std::vector<std::vector<double>> rays{inputs};
     for (int k = 0; k < 16; ++k) {
@@ -69,7 +69,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
             const double between = low == high ? low : low + (high - low) * random.unit();
             rays.back().push_back(random.one_in(3)   ? low
                                   : random.one_in(2) ? high
-                                                     : rounding::to_format(between, 0, format.shape));
+                                                     : rounding::to_format(between, 0, format.parameters));
         }
     }
     const SeenErrors seen = see({form, format, parts, x.solid, never}, rays);

@@ -29,7 +29,7 @@ struct Setting {
 /// of the format. `far` multiplies the distance. Unit directions are of unit length but for their rounding.
 inline Setting draw_setting(Random& random, const intersect::table::Intersector& form, const Format& format,
                             double far) {
-    const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.shape); };
+    const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.parameters); };
     const auto any = [&] { return 2 * random.unit() - 1; };
     const auto vec = [&](double scale) {
         return Vec<double>(in_format(scale * any()), in_format(scale * any()), in_format(scale * any()));
@@ -119,7 +119,7 @@ inline Hit<double> plain(const intersect::table::Intersector& form, const Format
         case Format::Engine::native64: return run.template operator()<double>(form.native64);
         case Format::Engine::rounded: break;
     }
-    return run.template operator()<double>([&](const auto&... a) { form.rounded(format.shape, a...); });
+    return run.template operator()<double>([&](const auto&... a) { form.rounded(format.parameters, a...); });
 }
 
 }  // namespace lostbits::test

@@ -34,8 +34,8 @@ double lost(const Intersector& form, const OneRay& ray) {
     const bool hit = answers.hit[in.index] != 0, truly = ray.truth(*form.info).is_hit();
     if (hit != truly || (hit && std::isnan(answers.t[in.index]))) return 24;
     if (!hit) return 0;
-    return measure::truth::lost_bits(measure::truth::ulp_error(answers.t[in.index], ray.true_t(*form.info), f32.shape),
-                                     24);
+    return measure::truth::lost_bits(
+        measure::truth::ulp_error(answers.t[in.index], ray.true_t(*form.info), f32.parameters), 24);
 }
 
 }  // namespace
@@ -46,8 +46,8 @@ TEST_CASE("neighbours are within an ulp in each number, zeros stay, and every ru
     const OneRay ray(scene, 100, 128);
     const OneRay::Inputs in = ray.inputs(form, f32);
     const std::vector<Solid<double>> solids{in.all.solids[0]};
-    const auto around = measure::blame::neighbours_of(ray, in, f32.shape, solids),
-               again = measure::blame::neighbours_of(ray, in, f32.shape, solids);
+    const auto around = measure::blame::neighbours_of(ray, in, f32.parameters, solids),
+               again = measure::blame::neighbours_of(ray, in, f32.parameters, solids);
     REQUIRE(around.size() == measure::blame::neighbours);
     const auto middle = numbers_of(in.all.rays[in.index]);
     std::vector<int> down(6), up(6);
@@ -57,7 +57,7 @@ TEST_CASE("neighbours are within an ulp in each number, zeros stay, and every ru
         const auto x = numbers_of(here.all.rays[here.index]);
         CHECK(x == numbers_of(same.all.rays[same.index]));
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const double ulps = (x[i] - middle[i]) / measure::blame::ulp_at(middle[i], f32.shape);
+            const double ulps = (x[i] - middle[i]) / measure::blame::ulp_at(middle[i], f32.parameters);
             CHECK((ulps == -1 || ulps == 0 || ulps == 1));
             if (middle[i] == 0) CHECK(x[i] == 0);
             down[i] += ulps < 0;
@@ -82,8 +82,8 @@ TEST_CASE("better is what loses less on the ray and its neighbours, and luck on 
         const Explanation all = measure::blame::explain(form, f32, ray);
         if (all.standing.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
-        const auto around =
-            measure::blame::neighbours_of(ray, in, f32.shape, {in.all.solids[static_cast<std::size_t>(all.solid)]});
+        const auto around = measure::blame::neighbours_of(ray, in, f32.parameters,
+                                                          {in.all.solids[static_cast<std::size_t>(all.solid)]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;
             for (const OneRay& beside : around) sum += lost(each, beside);

@@ -94,15 +94,16 @@ TEST_CASE("each pixel takes the cheapest row that is right there, and the narrow
         for (std::size_t i = 0; i < r.pixels(); ++i) {
             int cheapest = Requirement::none, narrowest = 1000;
             for (std::size_t k = 0; k < every.size(); ++k) {
-                if (!maps[k].right(i, bits, every[k].format.shape.precision)) continue;
-                narrowest = std::min(narrowest, every[k].format.shape.precision);
+                if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
+                narrowest = std::min(narrowest, every[k].format.parameters.precision);
                 if (k < rows.size() && (cheapest < 0 || prices[k] < prices[static_cast<std::size_t>(cheapest)]))
                     cheapest = static_cast<int>(k);
             }
             INFO(name << ", pixel " << i);
             REQUIRE(r.cheapest[i] == cheapest);
-            REQUIRE((r.narrowest[i] < 0 ? 1000 : r.formats[static_cast<std::size_t>(r.narrowest[i])].shape.precision) ==
-                    narrowest);
+            REQUIRE((r.narrowest[i] < 0
+                         ? 1000
+                         : r.formats[static_cast<std::size_t>(r.narrowest[i])].parameters.precision) == narrowest);
         }
     }
 }

@@ -31,7 +31,7 @@ void in_registers(const Run& at_width) {
 
 bool same_bits(double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); }
 
-double stored(double x, const Format& format) { return rounding::to_format(x, 0, format.shape); }
+double stored(double x, const Format& format) { return rounding::to_format(x, 0, format.parameters); }
 
 /// Rays with an answer and a truth each; some are not measured.
 struct Problems {
@@ -43,8 +43,9 @@ struct Problems {
     Problems(const Format& f, std::size_t n, Random& random, bool extreme) : format(f) {
         lengths.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const int e = static_cast<int>(extreme ? random.between(std::max(-1060, f.shape.emin - 20), f.shape.emax)
-                                                   : random.between(-12, std::min(30, f.shape.emax - 2)));
+            const int e =
+                static_cast<int>(extreme ? random.between(std::max(-1060, f.parameters.emin - 20), f.parameters.emax)
+                                         : random.between(-12, std::min(30, f.parameters.emax - 2)));
             double hi = std::ldexp(1 + random.unit(), e);
             if (random.one_in(8)) hi = std::ldexp(1.0, e);  // where the binade depends on lo
             Certified t = measure::truth::exactly(hi);
@@ -54,9 +55,10 @@ struct Problems {
             if (extreme && random.one_in(50)) t = {};
             Truth truth{.decision = Truth::Decision::hit, .object = 0, .t = t, .distance = t};
             double answer = stored(hi, f);
-            const int wrong = static_cast<int>(random.between(-3, f.shape.precision + 2));
+            const int wrong = static_cast<int>(random.between(-3, f.parameters.precision + 2));
             if (wrong > 0)
-                answer = stored(hi * (1 + random.sign() * std::ldexp(random.unit(), wrong - f.shape.precision)), f);
+                answer =
+                    stored(hi * (1 + random.sign() * std::ldexp(random.unit(), wrong - f.parameters.precision)), f);
             if (random.one_in(extreme ? 20 : 1000))
                 answer = random.sign() *
                          stored(std::ldexp(1 + random.unit(), static_cast<int>(random.between(-1000, 1000))), f);
@@ -79,7 +81,7 @@ struct Columns {
 
     explicit Columns(const Problems& p) {
         for (auto& v : values) v.assign(p.answers.size(), -77.0);
-        largest = measure::columns::find_errors(p.answers, p.lengths, p.format.shape,
+        largest = measure::columns::find_errors(p.answers, p.lengths, p.format.parameters,
                                                 {.ulp = values[0].data(),
                                                  .lost = values[1].data(),
                                                  .correct = values[2].data(),

@@ -29,8 +29,8 @@ struct Scene {
 
     Scene(const char* name, Shape shape, Range range, std::size_t n, Random& random)
         : format(find_format(name).value()) {
-        const auto stored = [&](double x) { return rounding::to_format(x, 0, format.shape); };
-        const int wide = range == Range::near ? 2 : range == Range::far ? 40 : format.shape.emax - 2;
+        const auto stored = [&](double x) { return rounding::to_format(x, 0, format.parameters); };
+        const int wide = range == Range::near ? 2 : range == Range::far ? 40 : format.parameters.emax - 2;
         const auto number = [&] {
             return stored(random.sign() * std::ldexp(1 + random.unit(), static_cast<int>(random.between(-wide, wide))));
         };

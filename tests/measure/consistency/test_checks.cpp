@@ -45,7 +45,7 @@ std::pair<Real, Real> chord_in_real(const Ray<double>& ray, const Sphere<double>
 TEST_CASE("any hit before an end: forms of spheres compare, forms of boxes decide", "[measure][consistency]") {
     const Ray<double> ray{{-3, 0, 0}, {1, 0, 0}};
     for (const char* format : {"f32", "f64", "bf16"}) {
-        const FloatFormat f = find_format(format)->shape;
+        const FloatFormat f = find_format(format)->parameters;
         const double after = rounding::next_up(2.0, f), before = -rounding::next_up(-2.0, f);
         for (const char* form : {"sphere.half_b", "sphere.unified", "sphere.early_exit"}) {
             INFO(form << " " << format);

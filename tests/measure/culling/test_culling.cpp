@@ -161,7 +161,7 @@ TEST_CASE("no index where squares leave the format, where spheres are few, or so
     const measure::culling::RayBounds bounds{3, 1, 1};
     std::vector<Solid<double>> solids;
     for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
-    const FloatFormat half = find_format("fp16")->shape;
+    const FloatFormat half = find_format("fp16")->parameters;
     CHECK(SphereIndex::make(solids, bounds, &binary32) != nullptr);
     CHECK(SphereIndex::make(solids, bounds, &binary64) != nullptr);
     CHECK(SphereIndex::make(solids, bounds, &half) == nullptr);  // 64·50² > 65504

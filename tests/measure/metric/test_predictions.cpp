@@ -34,7 +34,7 @@ struct Explained {
         const double exact = attribution.of[static_cast<std::size_t>(tape.outputs.t)].exact;
         blame = {.tape = &tape,
                  .attribution = &attribution,
-                 .ulp = std::ldexp(1.0, std::ilogb(exact) - in.shape.precision + 1)};
+                 .ulp = std::ldexp(1.0, std::ilogb(exact) - in.parameters.precision + 1)};
     }
     Explained(const Explained&) = delete;
     Explained& operator=(const Explained&) = delete;

@@ -54,10 +54,10 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
                                 continue;
                             }
                             ++found;
-                            const auto place = measure::truth::ordinal(e, points.of.format.shape);
-                            REQUIRE_FALSE(work.is_safe(points.met[k], side,
-                                                       measure::truth::number_at(place - 1, points.of.format.shape),
-                                                       by_form));
+                            const auto place = measure::truth::ordinal(e, points.of.format.parameters);
+                            REQUIRE_FALSE(work.is_safe(
+                                points.met[k], side, measure::truth::number_at(place - 1, points.of.format.parameters),
+                                by_form));
                         }
                         // What is quiet is safe, and a place that is safe from 0 on needs nothing.
                         if (s.quiet == 0) CHECK(s.safe == 0);

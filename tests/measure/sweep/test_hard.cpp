@@ -37,7 +37,7 @@ TEST_CASE("every hard ray measures what its name says") {
                                                       .rows = {row(part[1].str(), part[2].str())},
                                                       .metrics = {metric, measure::metric::find_metric("excess_bits")}};
             // In the file the numbers are those of the format: rounding to it again must change none.
-            for (const auto& group : file.rays(i, request.rows[0].format.shape)) {
+            for (const auto& group : file.rays(i, request.rows[0].format.parameters)) {
                 const auto exact = file.rays(i, binary64).front();
                 CHECK(group.rays.ox == exact.rays.ox);
                 CHECK(group.rays.dz == exact.rays.dz);

@@ -56,9 +56,9 @@ struct Alone {
         const auto answer = asked_alone(row, ray, solid);
         hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
-        const std::int64_t ulp = ulp_exponent(row.format.shape, truth.t.floor_log2());
+        const std::int64_t ulp = ulp_exponent(row.format.parameters, truth.t.floor_log2());
         lost = measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
-                                         row.format.shape.precision);
+                                         row.format.parameters.precision);
     }
     measure::truth::Truth truth;
     double t = 0, lost = 0;
@@ -86,7 +86,7 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         if (i % 7 == 0) CHECK(equal(worst_of(search, request.rows[i]), found[0][i]));
         REQUIRE(found[0][i].has_value());
         const WorstFound& w = *found[0][i];
-        const FloatFormat& f = request.rows[i].format.shape;
+        const FloatFormat& f = request.rows[i].format.parameters;
         CHECK(search.holds(w.ray, w.solid));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
         for (const double x : w.solid.used()) CHECK(is_of(x, f));
@@ -243,7 +243,7 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         INFO(what.format.name);
         REQUIRE(found[r]);
         CHECK(found[r]->outcome == Outcome::false_miss);
-        const double floor = std::sqrt((1 - 0.99 * 0.99) / 15 * std::ldexp(1.0, what.format.shape.precision));
+        const double floor = std::sqrt((1 - 0.99 * 0.99) / 15 * std::ldexp(1.0, what.format.parameters.precision));
         CHECK(found[r]->distance > floor);
         CHECK(found[r]->distance < 4 * floor);  // and near to it: the search is good
         CHECK(found[r]->distance == scene::sweep::distance_in_radii(found[r]->ray, found[r]->solid.sphere()));

@@ -216,7 +216,7 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
                 const Outcome want = h < 0 ? Outcome::agree_hit : true_hit ? Outcome::false_miss : Outcome::agree_miss;
                 const auto [other, by_other] = outcome(judged, format);
                 CHECK(other == want);
-                if (h < 0) CHECK(by_other.metrics[0].quantile(1) == find_format(format)->shape.precision);
+                if (h < 0) CHECK(by_other.metrics[0].quantile(1) == find_format(format)->parameters.precision);
             }
         }
     }

@@ -152,7 +152,7 @@ TEST_CASE("the tape of a way makes the ray that the way makes, of the camera's n
         for (const char* name : {"f32", "f64", "fp16"}) {
             CAPTURE(maker.info->name, name);
             const Format format = *find_format(name);
-            const rays::RayBlock native = made.in(format.shape, 0, height);
+            const rays::RayBlock native = made.in(format.parameters, 0, height);
             for (const auto& [x, y] : {std::pair(0, 0), std::pair(width - 1, 2)}) {
                 const rays::RecordedRay recorded = made.record(format, {x, y});
                 const Ray<double> one = native[static_cast<std::size_t>(y * width + x)];

@@ -57,7 +57,7 @@ void check_columns(const SolidList<double>& list, std::size_t begin, std::size_t
 
 using Lines = std::vector<std::string>;
 
-FloatFormat shape_of(const char* name) { return find_format(name).value().shape; }
+FloatFormat shape_of(const char* name) { return find_format(name).value().parameters; }
 
 Lines lost(const std::vector<Solid<double>>& solids, const char* format) {
     LostLengths all(shape_of(format));
@@ -185,7 +185,7 @@ TEST_CASE("a list with a flake as columns holds the numbers of the solids one by
         const auto ideal = scene.solids();
         const auto shared = shared_solids(scene);
         for (const char* name : {"f32", "f64", "fp16", "p20", "p30"}) {
-            const FloatFormat f = find_format(name)->shape;
+            const FloatFormat f = find_format(name)->parameters;
             INFO(inputs << " in " << name);
             const SolidList<double> list =
                 own ? round_solids(ideal_solid_list(scene), f) : round_solids(shared_solid_list(scene), f);

@@ -187,10 +187,10 @@ name = "b"
 boxes = [{ lo = ["1 + ulp", 1, 2], hi = [1.0001, 1, 2] }]
 rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
 )");
-    const Box<double> narrow = file.rays(0, find_format("bf16")->shape)[0].solids[0].box();
+    const Box<double> narrow = file.rays(0, find_format("bf16")->parameters)[0].solids[0].box();
     CHECK(narrow.lo.x == 1);
     CHECK(narrow.hi.x == 1 + 0x1p-7);
-    CHECK(file.rays_before(0, find_format("bf16")->shape)[0].solids[0].box().hi.x == 1.0001);
+    CHECK(file.rays_before(0, find_format("bf16")->parameters)[0].solids[0].box().hi.x == 1.0001);
 }
 
 TEST_CASE("the rays of a case have ranges, whatever the shape") {
