@@ -22,7 +22,7 @@ double number_in(double x, const Format& format) {
         case Format::Engine::native64: return x;
         case Format::Engine::rounded: break;
     }
-    return rounding::to_format(x, 0, format.shape);
+    return rounding::to_format(x, 0, format.parameters);
 }
 
 void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
@@ -52,7 +52,7 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
                               : ": --miss says which t is a miss, and there is no column t; leave --miss out"));
     terms_.miss = *options.miss;
     // The sentinel as the file's numbers are read: the same rounding.
-    terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.shape);
+    terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.parameters);
 }
 
 std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options) {
