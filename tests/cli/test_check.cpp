@@ -102,7 +102,7 @@ TEST_CASE("severity, filter and measure of claims, and what this machine lacks")
     check_refused_claims(scratch, {{inside + "requires = [\"isa-127\"]\n", all_missed, "isa-127"}});
 }
 
-TEST_CASE("a claim along a sweep, at a place and by its onset; about a case, a place of a plane, a row of a table") {
+TEST_CASE("a claim along a sweep, at a place and by its onset, about a case, a place of a plane, a row of a table") {
     const std::string form = tested("sphere.schoolbook"), f64 = tested("sphere.schoolbook", "f64"),
                       distance = "sweep = \"sphere-distance\"\n" + f64,
                       table = "table = \"arithmetic\"\nformat = \"f32\"\nat = 16777216\nrow = ";
