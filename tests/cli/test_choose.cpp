@@ -104,6 +104,7 @@ TEST_CASE("a wish is said as it was typed") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 4 --at p99.99999 --wrong 0.5 -i sphere.unified -f f32", scratch);
     CHECK(has(r.out, "4 correct bits of 99.99999 of 100 hits, at most 50% of the rays decided wrongly\n"));
+    CHECK(choose("spheres-on-floor --bits 4 -i sphere.press -i box.signs", scratch).code == 0);  // a set
 }
 
 TEST_CASE("choose refuses what is no wish") {

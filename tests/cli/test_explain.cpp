@@ -24,16 +24,6 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 
 }  // namespace
 
-TEST_CASE("the schoolbook form at 4100: c rounds, and the discriminant cancels it away") {
-    const auto r = must(far + "-i sphere.schoolbook -f f32");
-    CHECK(has(r.out, "disc = b·b − 4·a·c cancels 24 of 24 bits"));
-    CHECK(has(r.out, "The culprit is c = (o − centre)·(o − centre) − radius·radius"));
-    CHECK(has(r.out, "A first-order estimate has infinite terms"));
-    CHECK(has(r.out, "the formula loses the other"));
-    CHECK(has(r.out, "sphere.unified"));
-    CHECK(has(r.out, "radius   = 0x1p+0"));
-}
-
 TEST_CASE("operations that contribute the same are named, with what they come to") {
     const std::string oblique = "explain rtg-fig-7-3-4100-oblique -f f32 --pixel ";
     const auto cancel = nlohmann::json::parse(run(oblique + "60,60 -i sphere.schoolbook --json").out);

@@ -28,6 +28,7 @@ TEST_CASE("the verdict stands first, and where less than a bit is lost no operat
     CHECK(at(far_away, "The culprit is") < at(far_away, "Better on this ray"));
     CHECK(at(far_away, "Better on this ray") < at(far_away, "radius   = 0x1p+0"));
     CHECK(at(far_away, "\n* c  ") != std::string::npos);
+    CHECK(has(far_away, "A first-order estimate has infinite terms"));
     const auto near = run("explain near-benign --pixel 100,128 -i sphere.unified").out;
     CHECK(has(near, "No operation is to blame: what is lost is less than a bit."));
     CHECK(has(near, "does better on this ray in this format"));

@@ -125,6 +125,12 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     fs::create_directories(folder);
     write(folder / "datapackage.json");
     refused_for("datapackage.json", "is not in the manifest.json of its folder");
+    // Without --force any result that no list names stands in the way.
+    write(folder / "older.png");
+    inputs.refused("map mine.toml -i sphere.press -f f32 -o out",
+                   "holds results that are not in its manifest.json: older.png");
+    must(words, inputs / "");
+    CHECK(contents(folder / "older.png") == "precious");
 }
 
 TEST_CASE("a report does not take the place of somebody's README or page") {

@@ -49,6 +49,7 @@ const Row rows[] = {
      "step:origin "
      "--pixels csv --pictures all -o out",
      30, true},
+    {"map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16 -o out", 4},
     {"sweep distance.toml -i '*press*' -o out", 5},
     {"sweep few.toml -f f32 -f f64 -o out", 3, true},
     {"sweep distance.toml -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
@@ -74,7 +75,9 @@ const Row rows[] = {
     {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv --pictures "
      "all -o out",
      8},
+    {"consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32 -o out", 4},
     {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv --pictures all -o out", 5},
+    {"offsets spheres-on-floor --size 8x4 -o out", 4},
     {"mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 -o out --emit out/half.hpp", 5, true},
     // With every claim of these it takes 11 s of a processor each time.
     {"report near-benign sdf-union distance.toml --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i "

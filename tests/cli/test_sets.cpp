@@ -115,20 +115,4 @@ TEST_CASE("answers to spheres and boxes together are judged against the nearest 
          into(scratch, "again"));
 }
 
-TEST_CASE("offsets, consistency and choices measure sets, with the same bytes on any threads and registers") {
-    const Scratch scratch;
-    for (const std::string& words :
-         {std::string("offsets spheres-on-floor --size 8x4"),
-          std::string("consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32"),
-          std::string("map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16")}) {
-        INFO(words);
-        must(words + " -j 1 --isa scalar" + into(scratch, "one"));
-        must(words + " -j 4" + into(scratch, "many"));
-        must("diff --strict '" + (scratch / "one").string() + "' '" + (scratch / "many").string() + "'");
-        fs::remove_all(scratch / "one");
-        fs::remove_all(scratch / "many");
-    }
-    must("choose spheres-on-floor --size 8x4 --quick --bits 4 -i sphere.press -i box.signs" + into(scratch));
-}
-
 }  // namespace test_sets

@@ -50,23 +50,6 @@ TEST_CASE("plugin: the schoolbook formula has the bits of sphere.schoolbook, in 
     }
 }
 
-TEST_CASE("plugin: same bytes for any number of threads", "[doors]") {
-    const Scratch folder;
-    for (const std::string threads : {"1", "2", "5"}) {
-        const Outcome o =
-            run("map near-benign --size 96x64 -i 'odd.right' -i odd.predicate -f f32 --pixels csv -o out" + threads +
-                    " -j " + threads + plugin("odd_plugin"),
-                folder.path());
-        REQUIRE(o.code == 0);
-    }
-    for (const std::string file : {"summary.csv", "odd.right.f32.csv", "odd.predicate.f32.csv"}) {
-        const std::string one = contents(folder.path() / "out1/near-benign" / file);
-        CHECK(one.size() > 500);
-        CHECK(one == contents(folder.path() / "out2/near-benign" / file));
-        CHECK(one == contents(folder.path() / "out5/near-benign" / file));
-    }
-}
-
 TEST_CASE("plugin: a form that says only whether it hits is judged by its decisions alone", "[doors]") {
     const Scratch folder;
     REQUIRE(map_by("odd.predicate", folder).code == 0);
