@@ -157,23 +157,6 @@ TEST_CASE("a CSV of nine digits, or of as few as a float needs, looks like float
     CHECK_FALSE(said("%.12g", false));
 }
 
-TEST_CASE("a factor of t is known in the file of the page on judging, where a seventh of the decisions is wrong") {
-    const Scratch scratch;
-    const std::string file = LOSTBITS_DATA_DIR "/dumps/far-sphere.csv";
-    const auto times = [&](const std::string& factor) {
-        return run("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch), ".",
-                   "awk -F, -v OFS=, -v CONVFMT=%.9g 'NR > 1 && $10 != \"\" {$10 *= " + factor + "} 1' '" + file +
-                       "' |")
-            .err;
-    };
-    const std::string wrong = "wrong on 1132 of the 1132 rays that hit and should: ";
-    CHECK(times("1").empty());
-    CHECK(has(times("1000"), wrong + "t is in other units: it is 1000 times what is right: millimetres for metres?"));
-    CHECK(has(times("39.3700787"), wrong + "t is in other units: it is 39.37 times what is right: inches for metres?"));
-    CHECK(has(times("2"), wrong + "t is in other units: it is 2 times what is right"));
-    CHECK(has(times("-1"), wrong + "t has the wrong sign"));
-}
-
 namespace {
 
 /// The rows that `lostbits judge FILE OPTIONS --rows` writes for one form.

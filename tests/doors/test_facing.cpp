@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_facing {
 
@@ -30,12 +31,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
     const Scratch folder;
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find(form + " in binary32");
-        INFO(form << o.out);
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
     for (const std::string form : {"front", "back", "both", "ahead", "disc"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
@@ -57,10 +53,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
                                   of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"));
     folder.write("ball.toml", scene + "[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n");
     const auto row = [&](const std::string& name, const std::string& form) {
-        for (auto& each : read_csv(folder.path() / "out" / name / "summary.csv"))
-            if (each["form"] == form) return each;
-        FAIL("no row " << form);
-        return std::map<std::string, std::string>{};
+        return row_of(folder / ("out/" + name + "/summary.csv"), form);
     };
     for (const std::string name : {"near", "ball"}) {
         const Outcome map = run("map " + name +
@@ -101,28 +94,17 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
 }
 
 TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
-    const Scratch folder;
-    const auto header = [&](const std::string& words) {
-        return run("list intersectors --json --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\nroots=first\\n" + words +
-                       "\\n\\n'; cat\"",
-                   folder.path());
-    };
-    const Outcome front = header("shape=triangle\\nfacing=front");
+    const std::string first = "roots=first\\n";
+    const Outcome front = listed_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
     INFO(front.err);
     CHECK(front.code == 0);
     const auto forms = nlohmann::json::parse(front.out);
     const auto found = std::find_if(forms.begin(), forms.end(), [](const auto& form) { return form["name"] == "a.x"; });
     REQUIRE(found != forms.end());
     CHECK((*found)["facing"] == "front");
-    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"shape=sphere\\nfacing=front", "leave it out of a sphere"},
-             {"shape=tube\\nfacing=back", "leave it out of a tube"},
-             {"shape=triangle\\nfacing=ahead", "it is one of both, front, back"}}) {
-        const Outcome o = header(words);
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 2);
-        CHECK(has(o.err, says));
-    }
+    check_refused_headers({{first + "shape=sphere\\nfacing=front", "leave it out of a sphere"},
+                           {first + "shape=tube\\nfacing=back", "leave it out of a tube"},
+                           {first + "shape=triangle\\nfacing=ahead", "it is one of both, front, back"}});
 }
 
 }  // namespace test_facing

@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_formulas {
 
@@ -13,8 +14,7 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string folder_of_libraries = LOSTBITS_LIBRARIES;
-const std::string own = " --plugin " + folder_of_libraries + "/own_forms.so";
+const std::string own = plugin("own_forms");
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
@@ -150,11 +150,7 @@ TEST_CASE("formulas: the bits are the same for every register width, and through
 TEST_CASE("formulas: plugin check tries the t of a hit beside its near and far", "[doors]") {
     const Outcome o = run("plugin check --time-limit 2" + own.substr(own.find("--plugin") + 8));
     CHECK(o.code == 3);  // one of its forms hangs
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find("own." + form + " in binary32");
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find("\nown.", at) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, "own." + form); };
     for (const std::string form : {"unified", "double_inside", "inclusive"}) {
         INFO(finding(form));
         CHECK(has(finding(form), "does as it says"));
@@ -188,7 +184,7 @@ TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the progra
 
 TEST_CASE("formulas: a library may hold forms that march alone, and its commands can be pasted", "[doors]") {
     const Scratch folder;
-    const std::string march = " --plugin " + folder_of_libraries + "/only_march.so";
+    const std::string march = plugin("only_march");
     REQUIRE(run("map sdf-sphere --size 32x24 -i mylib.half -f f32 -o out" + march, folder.path()).code == 0);
     auto row = read_csv(folder.path() / "out/sdf-sphere/summary.csv").front();
     CHECK(row["form"] == "mylib.half");
@@ -200,14 +196,14 @@ TEST_CASE("formulas: a library may hold forms that march alone, and its commands
 }
 
 TEST_CASE("formulas: a library that rounds a*b + c once is refused", "[doors]") {
-    if (!std::filesystem::exists(folder_of_libraries + "/contracting.so")) return;  // x86-64 alone
-    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/contracting.so");
+    if (!std::filesystem::exists(library("contracting"))) return;  // x86-64 alone
+    const Outcome o = run("list intersectors" + plugin("contracting"));
     CHECK((o.code == 2 || has(o.err, "SIGILL")));
     CHECK((has(o.err, "-ffp-contract=off") || has(o.err, "SIGILL")));
 }
 
 TEST_CASE("formulas: a library compiled with other headers is refused before it is used", "[doors]") {
-    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/other_build.so");
+    const Outcome o = run("list intersectors" + plugin("other_build"));
     CHECK(o.code == 2);
     CHECK(has(o.err, "compiled with the headers of lostbits 0.0.7-cafe"));
     CHECK(has(o.err, "compile it again"));

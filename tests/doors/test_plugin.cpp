@@ -142,24 +142,28 @@ TEST_CASE("plugin: other commands take its forms too", "[doors]") {
 TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files", "[doors]") {
     struct Fault {
         const char *form, *says;
+        bool isolated = true;  ///< an error with a name in a process of its own, too
     };
-    for (const Fault& fault :
-         {Fault{"odd.crash", "crashed: it read or wrote memory that is not its own (SIGSEGV)"},
-          Fault{"odd.overflow", "used up its stack"}, Fault{"odd.throws", "no bananas"},
-          Fault{"odd.aborts", "gave up: it called abort()"}, Fault{"odd.exits", "called exit()"},
-          Fault{"odd.hangs", "has not answered a batch within the time limit"},
-          Fault{"odd.throws_through", "threw an exception through its C interface"}, Fault{"odd.refuses", "it is "},
-          Fault{"odd.lazy", "did not write `hit`"}, Fault{"odd.garbage", "wrote 7 to `hit`; it is 1 or 0"},
-          Fault{"odd.half", "did not write both of near and far"}}) {
-        const Scratch folder;
-        const Outcome o = map_by(fault.form, folder, " --time-limit 1");
-        INFO(fault.form << ": " << o.err);
-        CHECK(o.code == 3);
-        CHECK(has(o.err, fault.says));
-        CHECK(has(o.err, "odd_plugin.so"));
-        CHECK(has(o.err, fault.form));
-        CHECK_FALSE(has(o.err, "\033"));
-        CHECK(folder.files().empty());
+    for (const Fault& fault : {Fault{"odd.crash", "crashed: it read or wrote memory that is not its own (SIGSEGV)"},
+                               Fault{"odd.overflow", "used up its stack", false}, Fault{"odd.throws", "no bananas"},
+                               Fault{"odd.aborts", "gave up: it called abort()"}, Fault{"odd.exits", "called exit()"},
+                               Fault{"odd.hangs", "has not answered a batch within the time limit"},
+                               Fault{"odd.throws_through", "threw an exception through its C interface", false},
+                               Fault{"odd.refuses", "it is "}, Fault{"odd.lazy", "did not write `hit`"},
+                               Fault{"odd.garbage", "wrote 7 to `hit`; it is 1 or 0"},
+                               Fault{"odd.half", "did not write both of near and far"}}) {
+        for (const std::string door : {"", " --isolate"}) {
+            if (!door.empty() && !fault.isolated) continue;
+            const Scratch folder;
+            const Outcome o = map_by(fault.form, folder, " --time-limit 1" + door);
+            INFO(fault.form << door << ": " << o.err);
+            CHECK(o.code == 3);
+            if (door.empty()) CHECK(has(o.err, fault.says));
+            CHECK(has(o.err, "odd_plugin.so"));
+            CHECK(has(o.err, fault.form));
+            CHECK_FALSE(has(o.err, "\033"));
+            CHECK(folder.files().empty());
+        }
     }
 }
 
@@ -204,18 +208,7 @@ TEST_CASE("plugin: what does better on a ray is asked of libraries that are isol
     CHECK(by(" --beside odd.rihgt").code == 2);
 }
 
-TEST_CASE("plugin: in a process of its own the same faults are errors with a name", "[doors]") {
-    for (const std::string form : {"odd.crash", "odd.aborts", "odd.exits", "odd.throws", "odd.hangs", "odd.garbage",
-                                   "odd.half", "odd.lazy", "odd.refuses"}) {
-        const Scratch folder;
-        const Outcome o = map_by(form, folder, " --isolate --time-limit 1");
-        INFO(form << ": " << o.err);
-        CHECK(o.code == 3);
-        CHECK(has(o.err, "odd_plugin.so"));
-        CHECK(has(o.err, form));
-        CHECK_FALSE(has(o.err, "\033"));
-        CHECK(folder.files().empty());
-    }
+TEST_CASE("plugin: in a process of its own it answers, and what it prints is no output of the program", "[doors]") {
     const Scratch folder;
     CHECK(map_by("odd.right", folder, " --isolate").code == 0);
     const Outcome talks = map_by("odd.talks", folder, " --isolate");
@@ -304,11 +297,7 @@ TEST_CASE("plugin check: says which promise is broken and what to write", "[door
     // The forms that crash are left to the test above: the library's order is the order of the trials.
     const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
     CHECK(odd.code == 3);
-    const auto finding = [&odd](const std::string& form) {
-        const auto at = odd.out.find(form + " in binary32");
-        REQUIRE(at != std::string::npos);
-        return odd.out.substr(at, odd.out.find(" in binary", at + form.size() + 12) - at);
-    };
+    const auto finding = [&odd](const std::string& form) { return finding_of(odd, form); };
     CHECK(has(finding("odd.right"), "does as it says"));
     CHECK(has(finding("odd.first"), "does as it says"));
     CHECK(has(finding("odd.predicate"), "does as it says"));

@@ -8,6 +8,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 #include "measure/contract/suspect.hpp"
 #include "scene/file/scene.hpp"
 
@@ -18,7 +19,7 @@ using namespace lostbits;
 
 namespace {
 
-const std::string odd = std::string(" --plugin ") + LOSTBITS_LIBRARIES + "/odd_plugin.so";
+const std::string odd = plugin("odd_plugin");
 
 /// Rays of many lengths from everywhere at a sphere of radius 3, answered by `answer(true near, true far, ray)`.
 template <class Answer>

@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/conditioning.hpp"
 
@@ -32,26 +33,13 @@ double true_t(const Ray<double>& ray, const Solid<double>& solid, Convention ask
     return truth.is_hit() ? std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) : -1;
 }
 
-std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form) {
-    for (auto& row : read_csv(summary)) {
-        if (row["form"] == form) return row;
-    }
-    FAIL("no row " << form);
-    return {};
-}
-
 }  // namespace
 
 TEST_CASE("words: plugin check says which word is missing, and acquits what has the right ones", "[doors]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find(form + " in binary32");
-        INFO(form << o.out);
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
     for (const std::string form : {"clipped",     "clipped_ahead", "zero",    "misses",    "exit_at_origin", "near",
                                    "signed_near", "near_line",     "insists", "box_exit",  "box_clipped",    "box_near",
                                    "endless",     "segment",       "centre",  "at_origin", "thickness",      "points",
@@ -219,27 +207,16 @@ TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {
 
 TEST_CASE("words: what contradicts itself is refused, and what a library of before says still means the same",
           "[doors]") {
-    const Scratch folder;
-    const auto header = [&](const std::string& words) {
-        return run("list intersectors --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\n" + words + "\\n\\n'; cat\"",
-                   folder.path());
-    };
-    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"roots=first\\nflags=line", "need both roots, or the near one"},
-             {"roots=near\\nflags=clipped", "clipped is about an interval"},
-             {"flags=clipped", "say at_origin = exit as well"},
-             {"inside=near", "the near root alone"},
-             {"roots=near\\ninside=exit", "tells the first root"},
-             {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
-             {"inside=out", "it is one of usual, exit, zero, near, miss"}}) {
-        const Outcome o = header(words);
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 2);
-        CHECK(has(o.err, says));
-    }
+    check_refused_headers({{"roots=first\\nflags=line", "need both roots, or the near one"},
+                           {"roots=near\\nflags=clipped", "clipped is about an interval"},
+                           {"flags=clipped", "say at_origin = exit as well"},
+                           {"inside=near", "the near root alone"},
+                           {"roots=near\\ninside=exit", "tells the first root"},
+                           {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
+                           {"inside=out", "it is one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
-        CHECK(header(words).code == 0);
+        CHECK(listed_by_pipe(words).code == 0);
 }
 
 TEST_CASE("words: a form that is told the range of a ray is held to it, in this process, behind a pipe and of boxes") {
