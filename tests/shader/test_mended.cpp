@@ -64,10 +64,7 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
                      std::vector{"sphere.half_b", "sphere.unit_half_b", "sphere.kahan_discriminant"}),
           std::tuple("box", "box-slabs", std::vector{"box.baseline"}),
           std::tuple("triangle", "triangle-far", std::vector{"triangle.undivided"})}) {
-        scene::file::LoadOptions options;
-        options.size = {{40, 30}};
-        const auto scene =
-            scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + scene_name + ".toml", options).front();
+        const auto scene = testing::load(scene_name, 40, 30);
         const Scratch folder;
         std::vector<Case> cases;
         std::string words;

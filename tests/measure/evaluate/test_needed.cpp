@@ -16,13 +16,9 @@ using namespace lostbits::measure::evaluate;
 using measure::answer::Outcome;
 using measure::truth::exactly;
 using measure::truth::Truth;
+using testing::load;
 
 namespace {
-
-scene::file::Scene load(const char* name, int width, int height) {
-    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
-}
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
 struct Collected final : EvaluationSink {

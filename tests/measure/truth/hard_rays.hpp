@@ -37,8 +37,7 @@ inline std::vector<HardFamily> hard_families(Shape shape, std::initializer_list<
         const auto keep = [storage](double x) { return stored(x, storage); };  // some scale what they have rounded
         const auto add_spheres = [&](const auto& families) {
             for (const RayFamily& f : families)
-                all.push_back({f.name, storage,
-                               [&f, storage](Seeded& rng) {
+                all.push_back({f.name, storage, [&f, storage](Seeded& rng) {
                                    const RaySample s = f.make(rng, storage);
                                    return HardRay{s.ray, s.sphere};
                                }});
@@ -48,18 +47,15 @@ inline std::vector<HardFamily> hard_families(Shape shape, std::initializer_list<
             if (wide == Wide::yes) add_spheres(wide_families);
         } else if (shape == Shape::box) {
             for (const BoxFamily& f : box_families)
-                all.push_back(
-                    {f.name, storage,
-                     [&f, storage, keep](Seeded& rng) {
-                         const BoxSample s = f.make(rng, storage);
-                         return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
-                                        transformed(Solid<double>(s.box), keep),
-                                        {.tmax = keep(s.tmax)}};
-                     }});
+                all.push_back({f.name, storage, [&f, storage, keep](Seeded& rng) {
+                                   const BoxSample s = f.make(rng, storage);
+                                   return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
+                                                  transformed(Solid<double>(s.box), keep),
+                                                  {.tmax = keep(s.tmax)}};
+                               }});
         } else {
             for (const test::TriangleFamily& f : test::triangle_families)
-                all.push_back({f.name, storage,
-                               [&f](Seeded& rng) {
+                all.push_back({f.name, storage, [&f](Seeded& rng) {
                                    const test::TriangleSample s = test::in_floats(f.make(rng));
                                    return HardRay{s.ray, s.triangle};
                                }});

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/rows.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "number/real.hpp"
 
@@ -141,11 +142,7 @@ TEST_CASE("every box form without rounding meets a box that the eye lies on at t
 }
 
 TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not by another's", "[measure][truth]") {
-    const intersect::table::Intersector* interval = nullptr;
-    for (const intersect::table::Intersector& row : intersect::table::intersectors()) {
-        if (row.info->name == "sphere.pbrt_interval") interval = &row;
-    }
-    REQUIRE(interval != nullptr);
+    const intersect::table::Intersector* const interval = &testing::form_named("sphere.pbrt_interval");
     for (const OnSphere& x : on_sphere) {
         scene::rays::RayGroup group;
         group.rays.push({x.origin, x.direction});
