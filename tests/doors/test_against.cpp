@@ -54,9 +54,7 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
 TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 64x48 -f f32 --pictures all -o out ";
-    REQUIRE(
-        run(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path())
-            .code == 0);
+    must(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path());
     auto self = row_in(folder, "sphere.unified"), rival = row_in(folder, "sphere.schoolbook");
     CHECK(count(self, "both_miss") + count(self, "same_t") == 64 * 48);
     CHECK(self["apart_max"] == "0");
@@ -80,9 +78,7 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
 
 TEST_CASE("against: a sweep counts too, and wrong words are refused", "[doors]") {
     const Scratch folder;
-    REQUIRE(
-        run("sweep sphere-distance -i sphere.schoolbook -f f32 --against sphere.unified -o out", folder.path()).code ==
-        0);
+    must("sweep sphere-distance -i sphere.schoolbook -f f32 --against sphere.unified -o out", folder.path());
     const auto steps = read_csv(folder.path() / "out/sphere-distance/samples.csv");
     CHECK(std::stoi(steps.front().at("against_other_alone_hits")) == 0);
     int most = 0;

@@ -56,13 +56,11 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
         return row_of(folder / ("out/" + name + "/summary.csv"), form);
     };
     for (const std::string name : {"near", "ball"}) {
-        const Outcome map = run("map " + name +
-                                    ".toml --size 64x64 -f f32 -o out -i triangle.moller_trumbore_culling "
-                                    "-i triangle.filtered -i 'word.*' -i 'bad.*' --plugin " +
-                                    facing,
-                                folder.path());
-        INFO(map.err);
-        REQUIRE(map.code == 0);
+        must("map " + name +
+                 ".toml --size 64x64 -f f32 -o out -i triangle.moller_trumbore_culling "
+                 "-i triangle.filtered -i 'word.*' -i 'bad.*' --plugin " +
+                 facing,
+             folder.path());
         for (const std::string form : {"word.front", "word.back", "word.both", "triangle.moller_trumbore_culling"}) {
             auto each = row(name, form);
             INFO(name << ' ' << form);
@@ -77,10 +75,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
 
     folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,5,0,0,-1,0,0\n0,0,-5,0,0,1,1,5\n");
     const auto judged = [&](const std::string& side) {
-        const Outcome o =
-            run("judge rays.csv --triangle=-1,-1,0,0,1,0,1,-1,0 --facing " + side + " -o " + side, folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("judge rays.csv --triangle=-1,-1,0,0,1,0,1,-1,0 --facing " + side + " -o " + side, folder.path());
         return read_csv(folder.path() / side / "rays/summary.csv").front();
     };
     CHECK(judged("front")["agree_hit"] == "1");

@@ -176,12 +176,10 @@ TEST_CASE("manners: a library of formulas stays in the program, which says so", 
     const Scratch folder;
     const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",
                       said = "only_march.so: holds formulas, which run in this program itself";
-    const Outcome by_default = run(command, folder.path(), "export CI=1;");
-    CHECK(by_default.code == 0);
+    const Outcome by_default = must(command, folder.path(), "export CI=1;");
     CHECK(has(by_default.err, said));
     for (const char* more : {"", " --in-process"}) {
-        const Outcome other = run(command + more, folder.path(), *more == '\0' ? "" : "export CI=1;");
-        CHECK(other.code == 0);
+        const Outcome other = must(command + more, folder.path(), *more == '\0' ? "" : "export CI=1;");
         CHECK(other.err.empty());
     }
     CHECK_FALSE(has(run(command + " -q", folder.path(), "export CI=1;").err, said));
@@ -224,7 +222,7 @@ TEST_CASE("manners: one who waits for answers and cannot be told is an error of 
     CHECK(full.code == 3);
     CHECK(has(full.err, "cannot write"));
     // Who has closed both ends has ended, and asks for nothing.
-    CHECK(run("plugin serve " + library + " </dev/null >/dev/full", folder.path()).code == 0);
+    must("plugin serve " + library + " </dev/null >/dev/full", folder.path());
 }
 
 }  // namespace test_manners

@@ -78,9 +78,7 @@ std::vector<std::string> rows_left(const std::string& more, const std::string& b
          {"map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out" + more,
           "judge rays.csv --format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out" + more,
           "sweep subnormals.toml -i sphere.half_b,sphere.double_inside -f f32 -o out" + more}) {
-        const Outcome o = run("-q " + command, folder.path(), before);
-        INFO(before << " lostbits " << command << "\n" << o.err);
-        REQUIRE(o.code == 0);
+        must("-q " + command, folder.path(), before);
     }
     for (const std::string& file : folder.files()) {
         if (!file.ends_with("summary.csv") && !file.ends_with("floats.csv") && !file.ends_with("binades.csv")) continue;
@@ -133,10 +131,8 @@ TEST_CASE("state: a library that flushes subnormal numbers is measured so, whoev
     const Scratch folder;
     static_cast<void>(folder.write("tiny.toml", tiny));
     const auto answers = [&](const std::string& when, const std::string& more) {
-        const auto o = run("-q map tiny.toml -i 'example.*' -f f32 -o out --plugin " + library + more, folder.path(),
-                           environment(when, "flush"));
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("-q map tiny.toml -i 'example.*' -f f32 -o out --plugin " + library + more, folder.path(),
+             environment(when, "flush"));
         return contents(folder.path() / "out/tiny/example.schoolbook.f32.csv").empty()
                    ? read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_miss") +
                          read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_hit")

@@ -87,10 +87,7 @@ TEST_CASE("words: a crash in a process of its own names the probe, too", "[doors
 
 TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
     const Scratch folder;
-    const Outcome map =
-        run("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
-    INFO(map.err);
-    REQUIRE(map.code == 0);
+    must("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
     const auto summary = folder.path() / "out/camera-inside/summary.csv";
     for (const std::string form :
          {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
@@ -112,18 +109,14 @@ TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
 TEST_CASE("words: a sweep, explain and judge ask the same", "[doors]") {
     const Scratch folder;
     const std::string with = " --plugin " + worded;
-    const Outcome explained = run(
-        "explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with, folder.path());
-    INFO(explained.err);
-    CHECK(explained.code == 0);
+    must("explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with,
+         folder.path());
     const std::string rays =
         folder.write("rays.csv",
                      "ox,oy,oz,dx,dy,dz,cx,cy,cz,r,t,hit\n0,0,1,0,0,1,0,0,0,2,0,1\n0,0,-1,0,0,1,0,0,0,2,0,1\n"
                      "0,0,-5,0,0,1,0,0,0,2,3,1\n");
     const auto judged = [&](const std::string& words, const std::string& out) {
-        const Outcome o = run("judge " + rays + " -o " + out + words, folder.path());
-        INFO(o.err);
-        CHECK(o.code == 0);
+        must("judge " + rays + " -o " + out + words, folder.path());
         return read_csv(folder.path() / out / "rays/summary.csv").front();
     };
     CHECK(judged(" --inside zero", "zero")["lost_bits_max"] == "0");
@@ -234,13 +227,11 @@ TEST_CASE("words: a form that is told the range of a ray is held to it, in this 
     scene("boxes", "none", "[[box]]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n");
     for (const std::string how : {"", " --isolate"}) {
         for (const std::string name : {"closed", "open", "boxes"}) {
-            const Outcome map = run("map " + name +
-                                        ".toml --size 48x32 -i 'word.*in_range' -i 'word.blocks' -i "
-                                        "'bad.forgets_the_start' -f f32 -o out --plugin " +
-                                        worded + how,
-                                    folder.path());
-            INFO(map.err);
-            REQUIRE(map.code == 0);
+            must("map " + name +
+                     ".toml --size 48x32 -i 'word.*in_range' -i 'word.blocks' -i "
+                     "'bad.forgets_the_start' -f f32 -o out --plugin " +
+                     worded + how,
+                 folder.path());
             const auto summary = folder.path() / "out" / name / "summary.csv";
             if (name == "boxes") {
                 auto row = row_of(summary, "word.box_in_range");

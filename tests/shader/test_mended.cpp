@@ -95,11 +95,9 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
             }
         }
         if (cases.empty()) continue;
-        const Outcome o = run(std::string("map ") + scene_name +
-                                  " --size 40x30 --pixels csv -o out --device all -i 'shader.*' -f f32" + words,
-                              folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must(std::string("map ") + scene_name + " --size 40x30 --pixels csv -o out --device all -i 'shader.*' -f f32" +
+                 words,
+             folder.path());
         int hits = 0, compared = 0;
         for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out" / scene_name)) {
             const std::string file = entry.path().filename().string();

@@ -71,14 +71,10 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
     const std::string shaders = " --shader ends_alone.glsl --shader " + examples + "sphere_in_range.glsl -i 'shader.*'";
     for (const std::string name : {"closed", "open", "segment"}) {
         const std::string map = "map " + name + ".toml --size 48x32 -o out";
-        const Outcome glsl = run(map + " -f f32 -f f64 --device all" + shaders, folder.path());
-        INFO(name << ": " << glsl.err);
-        REQUIRE(glsl.code == 0);
+        must(map + " -f f32 -f f64 --device all" + shaders, folder.path());
         auto rows = read_csv(folder / ("out/" + name + "/summary.csv"));
         REQUIRE(rows.size() == 8);
-        const Outcome hlsl = run(map + "_hlsl -f f32 -i 'shader.*' --shader range.hlsl", folder.path());
-        INFO(hlsl.err);
-        REQUIRE(hlsl.code == 0);
+        must(map + "_hlsl -f f32 -i 'shader.*' --shader range.hlsl", folder.path());
         const auto of_hlsl = read_csv(folder / ("out_hlsl/" + name + "/summary.csv"));
         REQUIRE(of_hlsl.size() == 1);
         rows.push_back(of_hlsl.front());
@@ -91,9 +87,7 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
             CHECK(std::stoi(row["agree_miss"]) > 20);
         }
     }
-    const Outcome told = run("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
-    INFO(told.out << told.err);
-    CHECK(told.code == 0);
+    const Outcome told = must("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
     CHECK(has(told.out, "a range that begins behind the solid has none of it"));
     const Outcome forgets = run("plugin check --shader ends_alone.glsl", folder.path());
     INFO(forgets.out << forgets.err);
@@ -112,11 +106,8 @@ TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats
                                       "vec3 ro, vec3 rd, float tmin, float tmax) {\n"
                                       "    return ro.z == 5.0 && rd.z < 0.0 && " +
                                       solid.holds + " ? tmin + tmax / 512.0 : tmin;\n}\n");
-        const Outcome o =
-            run("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
-                folder.path());
-        INFO(row.name << ": " << o.err);
-        REQUIRE(o.code == 0);
+        must("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
+             folder.path());
         std::size_t pixels = 0;
         for (const std::string format : {"f32", "f64"})
             for (auto& pixel : read_csv(folder / ("out/one/shader.told." + format + ".csv"))) {
