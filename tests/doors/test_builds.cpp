@@ -124,12 +124,9 @@ TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[
     std::filesystem::create_directory(folder.path() / "my scenes");
     std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",
                                folder.path() / "my scenes/mine.toml");
-    const std::string claim = "\"\nstatement = \"odd.right is wrong\"\nsource = \"-\"\nverdict = \"holds\"\n";
-    const std::string claims = folder.write(
-        "my scenes/claims.toml",
-        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"by-map" + claim +
-            "[claim.given]\nscene = \"mine.toml\"\nform = \"odd.right\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
-            "\"false_miss_fraction\"\nin = [0.5, 0.6]\n");
+    const std::string claims =
+        folder.write("my scenes/claims.toml", claims_of({{"by-map", "scene = \"mine.toml\"\n" + tested("odd.right"),
+                                                          metric_in("false_miss_fraction", "[0.5, 0.6]")}}));
     const Outcome checked =
         run("check '" + claims + "' --junit junit.xml --export-json claims.json" + plugin("odd_plugin"), folder.path());
     CHECK(checked.code == 1);

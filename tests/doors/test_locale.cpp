@@ -18,20 +18,8 @@ namespace {
 
 const std::string comma_library = std::string(LOSTBITS_LIBRARIES) + "/comma.so";
 
-const std::string claims = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "comma"
-statement = "Half of the hits lose less than 24.5 bits"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "camera-inside"
-form = "sphere.unit_half_b"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0.5, 1.5]
-)";
+const std::string claims = claims_of({{"comma", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                                       metric_in("false_miss_fraction", "[0.5, 1.5]")}});
 
 /// Numbers that are read digit by digit, in words and as hex floats; a comma inside would end a cell.
 const std::string rays =

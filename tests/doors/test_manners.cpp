@@ -25,10 +25,8 @@ const std::string library = std::string(LOSTBITS_LIBRARIES) + "/ill_mannered.so"
 /// A claim about its form that holds, or one that does not.
 std::string claims(const Scratch& folder, bool holds) {
     return folder.write("claims.toml",
-                        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = \"-\"\n"
-                        "verdict = \"holds\"\n[claim.given]\nscene = \"near-benign\"\nform = \"ill.right\"\n"
-                        "format = \"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = " +
-                            std::string(holds ? "[0.0, 0.01]" : "[0.5, 0.6]") + "\n");
+                        claims_of({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
+                                    metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
 }
 
 /// The processes that have this in their environment, first the one that was first.

@@ -121,12 +121,9 @@ TEST_CASE("plugin: other commands take its forms too", "[doors]") {
     CHECK_FALSE(has(page, "\"title\":\"\""));
     const Outcome listed = run("list intersectors" + with, folder.path());
     CHECK(has(listed.out, "odd.predicate"));
-    const std::string claims = folder.write(
-        "claims.toml",
-        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"right-is-right\"\nstatement = \"odd.right loses nothing\"\n"
-        "source = \"its code\"\nverdict = \"holds\"\n[claim.given]\nscene = \"near-benign\"\nform = \"odd.right\"\n"
-        "format = \"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = [0.0, 0.0]\n");
-    must("check " + claims + with, folder.path());
+    folder.write("claims.toml", claims_of({{"right", "scene = \"near-benign\"\n" + tested("odd.right"),
+                                            metric_in("false_miss_fraction", "[0, 0]")}}));
+    must("check claims.toml" + with, folder.path());
 }
 
 TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files", "[doors]") {

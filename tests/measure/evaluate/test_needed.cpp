@@ -115,23 +115,6 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
     }
 }
 
-TEST_CASE("a width exists exactly where double's own format suffices", "[needed]") {
-    const scene::file::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
-    for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
-        const auto in_double = map_of(scene, testing::form_named(which), {"f64"}).front();
-        for (const int bits : {12, 40, 50}) {
-            NeededSummary summary;
-            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
-            std::uint64_t beyond = 0;
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                CHECK((values[i] <= most_width) == in_double.suffices(i, bits));
-                beyond += values[i] == needed_beyond;
-            }
-            CHECK(summary.hits_beyond + summary.misses_beyond == beyond);
-        }
-    }
-}
-
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
     const std::vector<const intersect::table::Intersector*> forms{&testing::form_named("sphere.schoolbook"),
