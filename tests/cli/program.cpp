@@ -105,42 +105,21 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
     }
 }
 
-const std::string small_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
+std::string axis_of(const AxisText& axis) {
+    return "[[axis]]\nname = \"" + axis.name + "\"\nspacing = \"" + axis.spacing + "\"\nfrom = " + axis.from +
+           "\nto = " + axis.to + "\nsteps = " + std::to_string(axis.steps) + "\nset = [" + axis.set + "]\n";
+}
 
-[family]
-projection = "parallel"
-views = 4
-rays = 16
+std::string sweep_of(const std::string& tables) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n" + tables;
+}
 
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 2
-to = 1048576
-steps = 20
-set = ["distance"]
-)";
+const std::string small_sweep = sweep_of("\n[family]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
+                                         axis_of({"distance_radii", "\"distance\"", "2", "1048576", 20}));
 
-const std::string march_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[march]
-max_steps = 100
-[family]
-distance = 4
-impact_to = 0.9
-views = 1
-rays = 8
-[[axis]]
-name = "hit_eps"
-spacing = "log2"
-from = 1e-3
-to = "0x1p-26"
-steps = 6
-set = ["march.hit_eps"]
-)";
+const std::string march_sweep =
+    sweep_of("[march]\nmax_steps = 100\n[family]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
+             axis_of({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
 
 const std::string one_claim =
     claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});

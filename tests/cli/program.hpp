@@ -77,6 +77,16 @@ inline double number_in(const std::string& cell) {
     return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr);
 }
 
+/// An axis of a file of sweeps, in that order.
+struct AxisText {
+    std::string name, set, from, to;
+    int steps = 3;
+    std::string spacing = "log2";
+};
+std::string axis_of(const AxisText& axis);
+/// A file of sweeps, of these tables.
+std::string sweep_of(const std::string& tables);
+
 /// A sweep of a family along one axis, to be spoilt or changed.
 extern const std::string small_sweep;
 /// One over a constant of a march.
