@@ -124,6 +124,12 @@ const std::string march_sweep =
 const std::string one_claim =
     claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
 
+std::string scene_text(const std::string& solids, const std::string& head, const std::string& camera) {
+    const bool aims = camera.find("look_at") != std::string::npos || camera.find("extent") != std::string::npos;
+    return "schema = \"lostbits-scene/1\"\ntitle = \"A test\"\n" + head + "[camera]\n" + camera +
+           (aims ? "" : "look_at = [0, 0, 0]\n") + solids;
+}
+
 const std::string good_scene = R"(schema = "lostbits-scene/1"
 title = "A test"
 source = "-"

@@ -115,6 +115,11 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
 
 /// A file of one claim, about a scene `mine.toml` beside it.
 extern const std::string one_claim;
+/// The text of a scene of the tables `solids`, seen by `camera`, which looks at the origin unless it says where to.
+/// `head` is what the scene says before its tables, like its size.
+std::string scene_text(const std::string& solids, const std::string& head = "",
+                       const std::string& camera = "kind = \"pinhole\"\nfov_deg = 30\neye = [0, 0, 5]\n");
+
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.

@@ -92,10 +92,8 @@ namespace {
 const std::string square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
 
 std::string scene_of(const std::string& file) {
-    return "schema = \"lostbits-scene/1\"\ntitle = \"A square\"\nsource = \"-\"\nnote = \"-\"\nsize = [9, "
-           "9]\n[camera]\n"
-           "kind = \"pixel_plane\"\neye = [0, 0, 4]\nextent = [-1.125, -1.125, 1.125, 1.125]\n[[mesh]]\nfile = \"" +
-           file + "\"\n";
+    return scene_text("[[mesh]]\nfile = \"" + file + "\"\n", "size = [9, 9]\n",
+                      "kind = \"pixel_plane\"\neye = [0, 0, 4]\nextent = [-1.125, -1.125, 1.125, 1.125]\n");
 }
 
 fs::path written(const Scratch& folder, const std::string& name, const std::string& text) {

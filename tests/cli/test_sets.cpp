@@ -26,24 +26,10 @@ TEST_CASE("every combination of one form a shape is a set, and two hundred are t
 
 TEST_CASE("shapes that share names of numbers share their columns") {
     const Scratch scratch;
-    const std::string scene = scratch.write("both.toml", R"(schema = "lostbits-scene/1"
-title = "Both"
-source = "-"
-size = [16, 8]
-[camera]
-kind = "orthographic"
-eye = [0, 0, 5]
-look_at = [0, 0, 0]
-up = [0, 1, 0]
-width = 8
-[[sphere]]
-centre = [-2, 0.1, 0]
-radius = 1.25
-[[cylinder]]
-base = [2, -1, 0]
-top = [2.5, 1, 0]
-radius = 0.75
-)");
+    const std::string scene = scratch.write(
+        "both.toml", scene_text("[[sphere]]\ncentre = [-2, 0.1, 0]\nradius = 1.25\n[[cylinder]]\nbase = [2, -1, "
+                                "0]\ntop = [2.5, 1, 0]\nradius = 0.75\n",
+                                "size = [16, 8]\n", "kind = \"orthographic\"\neye = [0, 0, 5]\nwidth = 8\n"));
     const std::string map = "map '" + scene + "' -f f32 -i sphere.schoolbook+cylinder.crossed";
     must(map + into(scratch));
     const auto row = read_csv(scratch / "out/both/summary.csv").at(0);

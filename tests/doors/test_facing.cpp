@@ -15,10 +15,7 @@ namespace {
 
 const std::string facing = std::string(LOSTBITS_LIBRARIES) + "/facing.so";
 
-const std::string scene =
-    "schema = \"lostbits-scene/1\"\ntitle = \"a\"\nsource = \"here\"\n[camera]\nkind = \"pinhole\"\neye = [0, 0, "
-    "5]\nlook_at = [0, 0, 0]\n"
-    "up = [0, 1, 0]\nfov_deg = 60\n";
+const std::string camera = "kind = \"pinhole\"\nfov_deg = 60\neye = [0, 0, 5]\n";
 
 /// A scene of the vertices of a triangle, `a` to `c`, each a list of numbers.
 std::string of_triangle(const std::string& a, const std::string& b, const std::string& c) {
@@ -49,9 +46,11 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
 
 TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side", "[doors]") {
     const Scratch folder;
-    folder.write("near.toml", scene + of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
-                                  of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"));
-    folder.write("ball.toml", scene + "[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n");
+    folder.write("near.toml", scene_text(of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
+                                             of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"),
+                                         "", camera));
+    folder.write("ball.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n",
+                                         "", camera));
     const auto row = [&](const std::string& name, const std::string& form) {
         return row_of(folder / ("out/" + name + "/summary.csv"), form);
     };

@@ -18,21 +18,9 @@ namespace {
 const std::string library = std::string(LOSTBITS_LIBRARIES) + "/changes_state.so";
 
 /// Spheres whose squares are subnormal numbers of doubles, and rays that hit half of them.
-const std::string tiny = R"(schema = "lostbits-scene/1"
-title = "A tiny sphere"
-source = "-"
-size = [24, 16]
-inputs = "shared"
-[[sphere]]
-centre = [0, 0, 0]
-radius = "0x1p-70"
-[camera]
-kind = "orthographic"
-eye = [0, 0, "0x1p-68"]
-look_at = [0, 0, 0]
-up = [0, 1, 0]
-width = "0x1.4p-69"
-)";
+const std::string tiny =
+    scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = \"0x1p-70\"\n", "inputs = \"shared\"\nsize = [24, 16]\n",
+               "kind = \"orthographic\"\neye = [0, 0, \"0x1p-68\"]\nwidth = \"0x1.4p-69\"\n");
 
 /// The same of a radius that is a subnormal number: no sphere at all where such numbers are zeros.
 std::string subnormal_sphere() {

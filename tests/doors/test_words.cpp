@@ -214,12 +214,10 @@ TEST_CASE("words: what contradicts itself is refused, and what a library of befo
 
 TEST_CASE("words: a form that is told the range of a ray is held to it, in this process, behind a pipe and of boxes") {
     const Scratch folder;
-    const std::string camera =
-        "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n";
     const auto scene = [&](const std::string& name, const std::string& open, const std::string& solid) {
         folder.write(name + ".toml",
-                     "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n" +
-                         camera + "[rays]\ntmin = 4.5\ntmax = 5.5\nopen_ends = \"" + open + "\"\n" + solid);
+                     scene_text("[rays]\ntmin = 4.5\ntmax = 5.5\nopen_ends = \"" + open + "\"\n" + solid,
+                                "inputs = \"shared\"\n"));
     };
     const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
     scene("closed", "none", sphere);

@@ -18,10 +18,7 @@ namespace {
 const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
 
 std::string scene(const std::string& range, const std::string& solid) {
-    return "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n"
-           "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n"
-           "[rays]\n" +
-           range + "\n" + solid;
+    return scene_text("[rays]\n" + range + "\n" + solid, "inputs = \"shared\"\n");
 }
 
 const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
