@@ -38,7 +38,7 @@ const Row rows[] = {
     {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv --pictures all "
      "-o out",
      100, true},
-    {"map rtg-fig-7-3-4100-oblique box-slabs --size 33x29 -f f32 -f f64 -i sphere.schoolbook "
+    {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 -i sphere.schoolbook "
      "-i sphere.unified_unit -i box.inclusive -i box.divide --metric '*bits' --metric '*error' --metric residual --exr "
      "--pixels csv --pictures all -o out",
      40, true},

@@ -90,20 +90,17 @@ std::string environment(const std::string& when, const std::string& what) {
 TEST_CASE("state: whatever a library does to the processor, and when, no other row changes", "[doors]") {
     const auto right = rows_left("", "");
     REQUIRE(right.size() == 8);
-    int row = 0;
+    const std::string ways[] = {" -j 1", " -j 4", " --isolate -j 1", " --isolate -j 4"};
+    std::size_t turn = 0;
     for (const std::string when : {"load", "list", "call", "thread"}) {
-        ++row;
         for (const std::string what : {"rounding", "flush", "denormals", "x87"}) {
-            ++row;
-            for (const std::string door : {"", " --isolate"}) {
-                ++row;
-                for (const std::string threads : {" -j 1", " -j 4"}) {
-                    // In the short tests one or the other, in turns in each direction of the table.
-                    if (!is_long() && (row % 2 == 0) != (threads == " -j 1")) continue;
-                    INFO(when << " " << what << door << threads);
-                    CHECK(rows_left(" --plugin " + library + door + threads, environment(when, what)) == right);
-                }
+            // In the short tests one way for each, every way once with each `when` and each `what`.
+            for (std::size_t w = 0; w < 4; ++w) {
+                if (!is_long() && w != (turn / 4 + turn) % 4) continue;
+                INFO(when << " " << what << ways[w]);
+                CHECK(rows_left(" --plugin " + library + ways[w], environment(when, what)) == right);
             }
+            ++turn;
         }
     }
     // Where the loader runs it before the program begins.
