@@ -149,11 +149,18 @@ centre = [0, 0, 0]
 radius = 1
 )";
 
-std::string spoilt(const std::string& what, const std::string& by) {
-    std::string text = good_scene;
+std::string spoilt(const std::string& what, const std::string& by) { return replaced(good_scene, what, by); }
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
     const auto at = text.find(what);
-    if (at == std::string::npos) throw std::runtime_error("the scene does not contain " + what);
+    if (at == std::string::npos) throw std::runtime_error("the text does not contain " + what);
     return text.replace(at, what.size(), by);
+}
+
+int count_in(const std::string& text, const std::string& part) {
+    int n = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
 }
 
 }  // namespace lostbits::test

@@ -125,4 +125,10 @@ extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.
 std::string spoilt(const std::string& what, const std::string& by);
 
+/// A text with `by` in place of the first `what`, which must be there.
+std::string replaced(std::string text, const std::string& what, const std::string& by);
+
+/// How often `part` stands in a text.
+int count_in(const std::string& text, const std::string& part);
+
 }  // namespace lostbits::test

@@ -10,10 +10,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string with_axis(const std::string& name) {
-    std::string text = small_sweep;
-    return text.replace(text.find("distance_radii"), 14, name);
-}
+std::string with_axis(const std::string& name) { return replaced(small_sweep, "distance_radii", name); }
 
 }  // namespace
 

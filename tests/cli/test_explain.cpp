@@ -205,21 +205,15 @@ TEST_CASE("LaTeX closes what it opens") {
             REQUIRE(depth >= 0);
         }
         CHECK(depth == 0);
-        const auto count = [&](const std::string& what) {
-            int n = 0;
-            for (std::size_t at = r.out.find(what); at != std::string::npos; at = r.out.find(what, at + 1)) ++n;
-            return n;
-        };
-        CHECK(count("\\begin{") == count("\\end{"));
-        CHECK(count("\\left|") == count("\\right|"));
+        CHECK(count_in(r.out, "\\begin{") == count_in(r.out, "\\end{"));
+        CHECK(count_in(r.out, "\\left|") == count_in(r.out, "\\right|"));
     }
 }
 
 TEST_CASE("a C program of many bits is refused where what an operation leaves out is no double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960
-    std::string text = test::spoilt("radius = 1", "radius = \"1e-150\"");
-    text.replace(text.find("shared"), 6, "own");
+    const std::string text = replaced(spoilt("radius = 1", "radius = \"1e-150\""), "shared", "own");
     const std::string scene = "explain '" + scratch.write("s.toml", text) + "' --pixel 12,8 -i sphere.press --c -f ";
     const auto r = run(scene + "p40");
     CHECK(r.code == 2);

@@ -63,9 +63,9 @@ const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsou
 TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
     const Scratch folder;
     // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
-    std::string own = good_scene;
-    own.replace(own.find("shared"), 6, "own");
-    own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
+    const std::string own =
+        spoilt("shared", "own") +
+        "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
     folder.write("my scene.toml", own);
     const std::string rows =
         " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "

@@ -12,10 +12,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string spoil(const std::string& what, const std::string& by) {
-    std::string text = small_sweep;
-    return text.replace(text.find(what), what.size(), by);
-}
+std::string spoil(const std::string& what, const std::string& by) { return replaced(small_sweep, what, by); }
 
 }  // namespace
 
@@ -159,10 +156,6 @@ impact_radii = [0, 0.9]
 starts = 2
 generations = 8
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    return text.replace(text.find(what), what.size(), by);
-}
 
 }  // namespace
 

@@ -10,10 +10,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string with_steps(int n) {
-    std::string text = small_sweep;
-    return text.replace(text.find("steps = 20"), 10, "steps = " + std::to_string(n));
-}
+std::string with_steps(int n) { return replaced(small_sweep, "steps = 20", "steps = " + std::to_string(n)); }
 
 }  // namespace
 

@@ -24,11 +24,7 @@ const std::string tiny =
 
 /// The same of a radius that is a subnormal number: no sphere at all where such numbers are zeros.
 std::string subnormal_sphere() {
-    std::string text = tiny;
-    for (const auto& [from, to] :
-         {std::pair{"0x1p-70", "0x1p-140"}, {"0x1p-68", "0x1p-138"}, {"0x1.4p-69", "0x1.4p-139"}})
-        text.replace(text.find(from), std::string(from).size(), to);
-    return text;
+    return replaced(replaced(replaced(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69", "0x1.4p-139");
 }
 
 /// Every float of a range of subnormal numbers.
@@ -139,21 +135,16 @@ TEST_CASE("state: who changes it is told so, once", "[doors]") {
         return run(command, folder.path(), environment(when, "flush"));
     };
     const std::string map = "map near-benign --size 64x48 -i 'example.*' -f f32,f64 -j 4 -o out --plugin " + library;
-    const auto count = [](const std::string& text, const std::string& part) {
-        std::size_t found = 0;
-        for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-        return found;
-    };
     for (const std::string door : {"", " --isolate"}) {
         const auto loaded = told("load", map + door);
         INFO(door << loaded.err);
         CHECK(loaded.code == 0);
-        CHECK(count(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
+        CHECK(count_in(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
         const auto called = told("call", map + door);
         INFO(called.err);
         CHECK(called.code == 0);
-        CHECK(count(called.err, "changes in a call how the processor computes") >= 1);
-        CHECK(count(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
+        CHECK(count_in(called.err, "changes in a call how the processor computes") >= 1);
+        CHECK(count_in(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
         CHECK_FALSE(has(told("never", map + door).err, "how the processor computes"));
         CHECK_FALSE(has(told("load", "-q " + map + door).err, "how the processor computes"));
     }

@@ -76,14 +76,11 @@ TEST_CASE("shader bits: with its sums written out, the analytic sphere has the b
 
 TEST_CASE("shader bits: with dot, what differs is the order of its sum", "[shader-device]") {
     const Scratch folder;
-    std::string text = contents(examples + "sphere_in_order.glsl");
-    for (const std::string v : {"f.x * f.x", "rd.x * f.x"}) REQUIRE(has(text, v));
-    const auto swap = [&text](const std::string& from, const std::string& to) {
-        text.replace(text.find(from), from.size(), to);
-    };
-    swap("(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
-    swap("rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)");
-    const std::string from_the_right = folder.write("from_the_right.glsl", text);
+    const std::string text = replaced(contents(examples + "sphere_in_order.glsl"),
+                                      "(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
+    const std::string from_the_right =
+        folder.write("from_the_right.glsl",
+                     replaced(text, "rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)"));
     const std::string scene = "rtg-fig-7-3-4100-oblique";
     const auto out = map_of(folder, scene,
                             "--shader " + examples + "sphere.glsl --shader " + from_the_right +
