@@ -105,45 +105,30 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
     }
 }
 
-const std::string small_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
+std::string axis_of(const AxisText& axis) {
+    return "[[axis]]\nname = \"" + axis.name + "\"\nspacing = \"" + axis.spacing + "\"\nfrom = " + axis.from +
+           "\nto = " + axis.to + "\nsteps = " + std::to_string(axis.steps) + "\nset = [" + axis.set + "]\n";
+}
 
-[family]
-projection = "parallel"
-views = 4
-rays = 16
+std::string sweep_of(const std::string& tables) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n" + tables;
+}
 
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 2
-to = 1048576
-steps = 20
-set = ["distance"]
-)";
+const std::string small_sweep = sweep_of("\n[family]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
+                                         axis_of({"distance_radii", "\"distance\"", "2", "1048576", 20}));
 
-const std::string march_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[march]
-max_steps = 100
-[family]
-distance = 4
-impact_to = 0.9
-views = 1
-rays = 8
-[[axis]]
-name = "hit_eps"
-spacing = "log2"
-from = 1e-3
-to = "0x1p-26"
-steps = 6
-set = ["march.hit_eps"]
-)";
+const std::string march_sweep =
+    sweep_of("[march]\nmax_steps = 100\n[family]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
+             axis_of({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
 
 const std::string one_claim =
     claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
+
+std::string scene_text(const std::string& solids, const std::string& head, const std::string& camera) {
+    const bool aims = camera.find("look_at") != std::string::npos || camera.find("extent") != std::string::npos;
+    return "schema = \"lostbits-scene/1\"\ntitle = \"A test\"\n" + head + "[camera]\n" + camera +
+           (aims ? "" : "look_at = [0, 0, 0]\n") + solids;
+}
 
 const std::string good_scene = R"(schema = "lostbits-scene/1"
 title = "A test"
@@ -164,11 +149,18 @@ centre = [0, 0, 0]
 radius = 1
 )";
 
-std::string spoilt(const std::string& what, const std::string& by) {
-    std::string text = good_scene;
+std::string spoilt(const std::string& what, const std::string& by) { return replaced(good_scene, what, by); }
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
     const auto at = text.find(what);
-    if (at == std::string::npos) throw std::runtime_error("the scene does not contain " + what);
+    if (at == std::string::npos) throw std::runtime_error("the text does not contain " + what);
     return text.replace(at, what.size(), by);
+}
+
+int count_in(const std::string& text, const std::string& part) {
+    int n = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
 }
 
 }  // namespace lostbits::test

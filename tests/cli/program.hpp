@@ -77,6 +77,16 @@ inline double number_in(const std::string& cell) {
     return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr);
 }
 
+/// An axis of a file of sweeps, in that order.
+struct AxisText {
+    std::string name, set, from, to;
+    int steps = 3;
+    std::string spacing = "log2";
+};
+std::string axis_of(const AxisText& axis);
+/// A file of sweeps, of these tables.
+std::string sweep_of(const std::string& tables);
+
 /// A sweep of a family along one axis, to be spoilt or changed.
 extern const std::string small_sweep;
 /// One over a constant of a march.
@@ -105,9 +115,20 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
 
 /// A file of one claim, about a scene `mine.toml` beside it.
 extern const std::string one_claim;
+/// The text of a scene of the tables `solids`, seen by `camera`, which looks at the origin unless it says where to.
+/// `head` is what the scene says before its tables, like its size.
+std::string scene_text(const std::string& solids, const std::string& head = "",
+                       const std::string& camera = "kind = \"pinhole\"\nfov_deg = 30\neye = [0, 0, 5]\n");
+
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.
 std::string spoilt(const std::string& what, const std::string& by);
+
+/// A text with `by` in place of the first `what`, which must be there.
+std::string replaced(std::string text, const std::string& what, const std::string& by);
+
+/// How often `part` stands in a text.
+int count_in(const std::string& text, const std::string& part);
 
 }  // namespace lostbits::test

@@ -221,10 +221,8 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
 TEST_CASE("a sheet without thickness has no safe offset into it, and that is said in words") {
     const Scratch scratch;
     scratch.write("flat.toml",
-                  "schema = \"lostbits-scene/1\"\ntitle = \"flat\"\ninputs = \"shared\"\n"
-                  "size = [8, 8]\n[camera]\nkind = \"pinhole\"\nfov_deg = 40\n"
-                  "eye = [0.3, 0.7, 6]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
-                  "[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n");
+                  scene_text("[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n", "inputs = \"shared\"\nsize = [8, 8]\n",
+                             "kind = \"pinhole\"\nfov_deg = 40\neye = [0.3, 0.7, 6]\n"));
     const auto r = must("offsets flat.toml --points computed --strategy offset.bound -o out", scratch.path());
     CHECK(has(r.out, "inside: no offset is safe at any of 16 points; right for all 288 rays: no strategy"));
     CHECK_FALSE(has(r.out, "nan"));

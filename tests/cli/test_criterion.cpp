@@ -146,20 +146,10 @@ TEST_CASE("a 99th percentile of random rays has the bounds of its order statisti
 
 namespace {
 
-const std::string scene = R"(schema = "lostbits-scene/1"
-title = "A sphere 4100 away"
-source = "-"
-size = [24, 24]
-[camera]
-kind = "orthographic"
-width = 2.5
-eye = [0.1, 0.2, 0.3]
-look_at = [1095.9, 2191.7, -3287.2]
-up = [0, 1, 0]
-[[sphere]]
-centre = [1095.9, 2191.7, -3287.2]
-radius = 1
-)";
+const std::string far_away = "1095.9, 2191.7, -3287.2]\n";
+const std::string scene =
+    scene_text("[[sphere]]\nradius = 1\ncentre = [" + far_away, "size = [24, 24]\n",
+               "kind = \"orthographic\"\nwidth = 2.5\neye = [0.1, 0.2, 0.3]\nlook_at = [" + far_away);
 
 const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml\"\n",
                   unified = choice + tested("sphere.unified"), schoolbook = choice + tested("sphere.schoolbook"),

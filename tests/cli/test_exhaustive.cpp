@@ -17,10 +17,7 @@ namespace {
 
 const std::string small = every_float_to("0x1.6bp10");
 
-std::string replaced(const std::string& what, const std::string& by) {
-    std::string text = small;
-    return text.replace(text.find(what), what.size(), by);
-}
+std::string spoil(const std::string& what, const std::string& by) { return replaced(small, what, by); }
 
 }  // namespace
 
@@ -45,8 +42,7 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
     const auto fault = explained(statements[0].at("fault_explain"));
     CHECK(fault["outcome"] == "false_hit");
     // The neighbour is right.
-    std::string before = statements[0].at("fault_explain");
-    before.replace(before.find("0x1.6a09ecp+10"), 14, "0x1.6a09eap+10");
+    const auto before = replaced(statements[0].at("fault_explain"), "0x1.6a09ecp+10", "0x1.6a09eap+10");
     CHECK(explained(before)["outcome"] == "agree_miss");
 
     const auto binades = read_csv(scratch / "s/binades.csv");
@@ -77,8 +73,8 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
 
 TEST_CASE("a convention of the file is said, and holds for what explains a float") {
     const Scratch scratch;
-    std::string touch = replaced("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\"");
-    touch.replace(touch.find("0.75, 0.75, 0"), 13, "0, 1, 0");  // it touches the sphere
+    const std::string touch = replaced(spoil("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\""),
+                                       "0.75, 0.75, 0", "0, 1, 0");  // it touches the sphere
     const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
     const auto r = must("sweep '" + file + "' -i sphere.schoolbook" + into(scratch, ""));
     CHECK(has(r.out,
@@ -90,7 +86,7 @@ TEST_CASE("a convention of the file is said, and holds for what explains a float
 TEST_CASE("a sweep over every float that is stopped goes on with --resume and leaves the same files") {
     const Scratch scratch;
     // Long enough to be stopped in the middle: 50 million floats.
-    const std::string file = scratch.write("s.toml", replaced("\"0x1.6bp10\"", "\"0x1.6bp16\""));
+    const std::string file = scratch.write("s.toml", spoil("\"0x1.6bp10\"", "\"0x1.6bp16\""));
     const std::string first = scratch.write("first.toml", small),
                       rows = "sweep '" + first + "' '" + file + "' -i sphere.schoolbook -o ";
     const auto out = [&](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
@@ -193,8 +189,8 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
 TEST_CASE("an axis of every float is of one format, and bad input leaves nothing behind") {
     const Scratch scratch;
     scratch.write("s.toml", small);
-    scratch.write("bad.toml", replaced("\"0x1.69p10\"", "1444.1"));
-    scratch.write("bare.toml", replaced("[sphere]", "[sphere_of_nothing]"));
+    scratch.write("bad.toml", spoil("\"0x1.69p10\"", "1444.1"));
+    scratch.write("bare.toml", spoil("[sphere]", "[sphere_of_nothing]"));
     check_refused(scratch, "sweep -o out",
                   {{"s.toml -f f64", "-f f64: s tries every number of one format, and that is f32; leave out -f"},
                    {"s.toml -f f32 -f bf16", "-f bf16: s tries"},

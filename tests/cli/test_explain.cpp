@@ -24,16 +24,6 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 
 }  // namespace
 
-TEST_CASE("the schoolbook form at 4100: c rounds, and the discriminant cancels it away") {
-    const auto r = must(far + "-i sphere.schoolbook -f f32");
-    CHECK(has(r.out, "disc = b·b − 4·a·c cancels 24 of 24 bits"));
-    CHECK(has(r.out, "The culprit is c = (o − centre)·(o − centre) − radius·radius"));
-    CHECK(has(r.out, "A first-order estimate has infinite terms"));
-    CHECK(has(r.out, "the formula loses the other"));
-    CHECK(has(r.out, "sphere.unified"));
-    CHECK(has(r.out, "radius   = 0x1p+0"));
-}
-
 TEST_CASE("operations that contribute the same are named, with what they come to") {
     const std::string oblique = "explain rtg-fig-7-3-4100-oblique -f f32 --pixel ";
     const auto cancel = nlohmann::json::parse(run(oblique + "60,60 -i sphere.schoolbook --json").out);
@@ -215,21 +205,15 @@ TEST_CASE("LaTeX closes what it opens") {
             REQUIRE(depth >= 0);
         }
         CHECK(depth == 0);
-        const auto count = [&](const std::string& what) {
-            int n = 0;
-            for (std::size_t at = r.out.find(what); at != std::string::npos; at = r.out.find(what, at + 1)) ++n;
-            return n;
-        };
-        CHECK(count("\\begin{") == count("\\end{"));
-        CHECK(count("\\left|") == count("\\right|"));
+        CHECK(count_in(r.out, "\\begin{") == count_in(r.out, "\\end{"));
+        CHECK(count_in(r.out, "\\left|") == count_in(r.out, "\\right|"));
     }
 }
 
 TEST_CASE("a C program of many bits is refused where what an operation leaves out is no double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960
-    std::string text = test::spoilt("radius = 1", "radius = \"1e-150\"");
-    text.replace(text.find("shared"), 6, "own");
+    const std::string text = replaced(spoilt("radius = 1", "radius = \"1e-150\""), "shared", "own");
     const std::string scene = "explain '" + scratch.write("s.toml", text) + "' --pixel 12,8 -i sphere.press --c -f ";
     const auto r = run(scene + "p40");
     CHECK(r.code == 2);

@@ -41,9 +41,7 @@ TEST_CASE("a ray is taken as given: what a format cannot hold is input error, an
     CHECK(hex_in(as["truth"]) == "0x1.0052203695b95p+2");
     CHECK(as["truth"] == wide["truth"]);
     // Of a scene with numbers of its own the ray is ideal, and every format rounds it once from the decimal.
-    std::string own = good_scene;
-    own.replace(own.find("shared"), 6, "own");
-    folder.write("own.toml", own);
+    folder.write("own.toml", spoilt("shared", "own"));
     const std::string ideal = "own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
     const Json in_own = told(ideal + "-f f64", folder.path());
     CHECK(in_own["inputs_rounded"] == true);

@@ -79,23 +79,6 @@ TEST_CASE("a second run into a folder leaves nothing of the first") {
     }
 }
 
-TEST_CASE("results that no list names are refused, and stay with --force") {
-    const Scratch scratch;
-    scratch.write("mine.toml", good_scene);
-    const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
-    const fs::path folder = scratch / "out/mine";
-    fs::create_directories(folder);
-    std::ofstream(folder / "older.png") << "x";
-    const auto r = run(words, scratch.path());
-    CHECK(r.code == 2);
-    CHECK(has(r.err, "holds results that are not in its manifest.json: older.png"));
-    CHECK(has(r.err, "--force"));
-    CHECK(files_below(folder) == std::vector<std::string>{"older.png"});
-    must(words + " --force", scratch.path());
-    CHECK(contents(folder / "older.png") == "x");
-    CHECK(fs::exists(folder / "summary.csv"));
-}
-
 TEST_CASE("a list can name nothing outside its folder") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
@@ -116,34 +99,6 @@ TEST_CASE("a list can name nothing outside its folder") {
     CHECK(run(words, scratch.path()).code == 2);
 }
 
-TEST_CASE("what a killed run left goes, what a living one writes stays") {
-    const Scratch scratch;
-    scratch.write("mine.toml", good_scene);
-    const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
-    const auto killed =
-        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 -o out & child=$!; while [ -z "
-            "\"$(ls -A out/mine "
-            "2>/dev/null)\" ]; do sleep "
-            "0.05; done; sleep 0.3; kill -KILL $child; wait $child; exit $?",
-            scratch.path());
-    REQUIRE(killed.code == 128 + 9);
-    const fs::path folder = scratch / "out/mine";
-    const auto left = files_below(folder);
-    REQUIRE(std::ranges::any_of(left, [](const std::string& name) { return has(name, ".partial-"); }));
-    // A living run holds a lock on what it writes.
-    const fs::path living = folder / ".other.csv.partial-1";
-    const int fd = ::open(living.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-    REQUIRE(fd >= 0);
-    REQUIRE(::flock(fd, LOCK_EX) == 0);
-    must(words, scratch.path());
-    auto now = files_below(folder);
-    CHECK(std::erase(now, ".other.csv.partial-1") == 1);
-    CHECK(now == listed_in(folder));
-    ::close(fd);
-    must(words, scratch.path());
-    CHECK(files_below(folder) == listed_in(folder));
-}
-
 TEST_CASE("two runs do not write into one folder at a time") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
@@ -156,20 +111,6 @@ TEST_CASE("two runs do not write into one folder at a time") {
     CHECK(has(r.err, "another run is writing there"));
     ::close(fd);
     must("map mine.toml -i sphere.press -f f32 -o out", scratch.path());
-}
-
-TEST_CASE("a run that is stopped before it has results leaves those that were there") {
-    const Scratch scratch;
-    scratch.write("mine.toml", good_scene);
-    must("map mine.toml -i sphere.press -f f32,f64 -o out", scratch.path());
-    const auto before = files_below(scratch / "out/mine");
-    const auto r = run(
-        "map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -j 1 -o out & child=$!; sleep 1; kill "
-        "-TERM $child; "
-        "wait $child; exit $?",
-        scratch.path());
-    CHECK(r.code == 130);
-    CHECK(files_below(scratch / "out/mine") == before);
 }
 
 TEST_CASE("every file that can hold it says the command, what was set, and the version") {

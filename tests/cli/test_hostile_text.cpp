@@ -18,10 +18,10 @@ const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[e
                             R"(\uFFFF\u202E &amp; \"q\" ' `b` \\| end)";
 
 std::string claim(const std::string& id) {
-    std::string text = claims_of(
+    const std::string text = claims_of(
         {{id, "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction", "[0.5, 1]"),
           "note = \"" + hostile + "\"\n", "\"holds\"", hostile}});
-    return text.replace(text.find("A sentence"), 10, hostile);
+    return replaced(text, "A sentence", hostile);
 }
 
 bool has_forged_command(const std::string& text) {

@@ -125,6 +125,12 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     fs::create_directories(folder);
     write(folder / "datapackage.json");
     refused_for("datapackage.json", "is not in the manifest.json of its folder");
+    // Without --force any result that no list names stands in the way.
+    write(folder / "older.png");
+    inputs.refused("map mine.toml -i sphere.press -f f32 -o out",
+                   "holds results that are not in its manifest.json: older.png");
+    must(words, inputs / "");
+    CHECK(contents(folder / "older.png") == "precious");
 }
 
 TEST_CASE("a report does not take the place of somebody's README or page") {
@@ -159,10 +165,7 @@ TEST_CASE("a line break that was typed is shown as one") {
 TEST_CASE("what an axis cannot be set to is said with its place in the file") {
     const Inputs inputs;
     const auto refused_by = [&](const std::string& what, const std::string& by, const std::string& says) {
-        std::string text = small_sweep;
-        const auto at = text.find(what);
-        REQUIRE(at != std::string::npos);
-        std::ofstream(inputs / "s.toml") << text.replace(at, what.size(), by);
+        std::ofstream(inputs / "s.toml") << replaced(small_sweep, what, by);
         inputs.refused("sweep s.toml -i sphere.press -f f32 -o out", says);
     };
     const std::string set = small_sweep.substr(small_sweep.find("set = "));

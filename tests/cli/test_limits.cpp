@@ -106,8 +106,9 @@ TEST_CASE("no name of a file leads out of the folder of results") {
     scratch.write("in/...csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
     scratch.write("in/a\nb.toml", small_sweep);
     const auto before = scratch.files();
-    for (const std::string words : {"sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
-                                    "sweep 'a\nb.toml'", "choose ./...csv --sphere 0,0,0,1 --bits 3"}) {
+    for (const std::string words :
+         {"map ./...toml", "sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
+          "sweep 'a\nb.toml'", "choose ./...csv --sphere 0,0,0,1 --bits 3"}) {
         const auto r = run(words + " -o out", scratch / "in");
         INFO(words << "\n" << r.err);
         CHECK(r.code == 2);

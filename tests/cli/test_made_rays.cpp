@@ -28,8 +28,8 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
     const Scratch folder;
     must(
         "map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
-        "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
-        (folder / "out").string() + "'");
+        "direction_lost_bits --metric origin_lost_bits --metric origin_error" +
+        into(folder));
     const auto rows = read_csv(folder / "out/camera-far.zero_to_one/summary.csv");
     REQUIRE(rows.size() == scene::camera::makers().size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -48,9 +48,8 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
 TEST_CASE("a way behind the form and the same way in the scene are one map") {
     const Scratch folder;
     const auto mapped = [&folder](const std::string& words, const std::string& name) {
-        const std::string out = (folder.path() / name).string();
         must("map camera-far.endless " + words +
-             " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'");
+             " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error" + into(folder, name));
         return read_csv(folder.path() / name / "camera-far.endless/summary.csv");
     };
     for (const std::string maker : {"three", "bevy"}) {

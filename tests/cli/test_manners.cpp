@@ -116,8 +116,7 @@ TEST_CASE("what is not understood is said in a sentence, with what may have been
 }
 
 TEST_CASE("forms have one word, and the older one works") {
-    const auto forms = run("list forms"), older = run("list intersectors");
-    CHECK(forms.code == 0);
+    const auto forms = must("list forms"), older = run("list intersectors");
     CHECK(forms.out == older.out);
     CHECK(run("list").out == forms.out);
 }
@@ -163,10 +162,8 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
 TEST_CASE("a sweep and a claim find a scene beside themselves") {
     const Scratch scratch;
     scratch.write("own/ball.toml", good_scene);
-    scratch.write(
-        "own/grow.toml",
-        "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = \"ball.toml\"\n[[axis]]\n"
-        "name = \"radius\"\nspacing = \"linear\"\nfrom = 0.5\nto = 1\nsteps = 2\nset = [\"sphere[0].radius\"]\n");
+    scratch.write("own/grow.toml", sweep_of("scene = \"ball.toml\"\n" +
+                                            axis_of({"radius", "\"sphere[0].radius\"", "0.5", "1", 2, "linear"})));
     scratch.write("own/claims.toml", claims_of({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
                                                  metric_in("false_miss_fraction", "[0, 0]")}}));
     for (const std::string own : {"own/", ""}) {

@@ -92,26 +92,18 @@ namespace {
 const std::string square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
 
 std::string scene_of(const std::string& file) {
-    return "schema = \"lostbits-scene/1\"\ntitle = \"A square\"\nsource = \"-\"\nnote = \"-\"\nsize = [9, "
-           "9]\n[camera]\n"
-           "kind = \"pixel_plane\"\neye = [0, 0, 4]\nextent = [-1.125, -1.125, 1.125, 1.125]\n[[mesh]]\nfile = \"" +
-           file + "\"\n";
-}
-
-fs::path written(const Scratch& folder, const std::string& name, const std::string& text) {
-    std::ofstream(folder.path() / name) << text;
-    return folder.path() / name;
+    return scene_text("[[mesh]]\nfile = \"" + file + "\"\n", "size = [9, 9]\n",
+                      "kind = \"pixel_plane\"\neye = [0, 0, 4]\nextent = [-1.125, -1.125, 1.125, 1.125]\n");
 }
 
 }  // namespace
 
 TEST_CASE("rays through the seam of a square are double hits in every file") {
     const Scratch folder;
-    written(folder, "square.obj", square);
-    const auto scene = written(folder, "square.toml", scene_of("square.obj"));
+    folder.write("square.obj", square);
+    const auto scene = folder.write("square.toml", scene_of("square.obj"));
     const auto out = folder / "out";
-    const auto r =
-        must("map '" + scene.string() + "' -i triangle.woop -f f32 --pixels csv -v -o '" + out.string() + "'");
+    const auto r = must("map '" + scene + "' -i triangle.woop -f f32 --pixels csv -v" + into(folder));
     CHECK(has(r.out, "double hit"));
     CHECK_FALSE(has(r.err, "no area"));
     const auto row = read_csv(out / "square" / "summary.csv").front();
@@ -123,7 +115,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     for (const auto& pixel : read_csv(out / "square" / "triangle.woop.f32.csv"))
         seen += pixel.at("outcome") == "double_hit";
     CHECK(seen == 9);
-    const auto told = must("explain '" + scene.string() + "' --pixel 4,4 -i triangle.woop -f f32");
+    const auto told = must("explain '" + scene + "' --pixel 4,4 -i triangle.woop -f f32");
     CHECK(has(told.out, "Of the mesh this is a double hit: the form claims a triangle beside it too"));
 }
 
@@ -149,9 +141,8 @@ TEST_CASE("faces without area are told of, and a bad mesh ends before anything i
     const Scratch folder;
     const auto out = folder / "out";
     const auto map_of = [&](const std::string& text) {
-        written(folder, "a.obj", text);
-        return run("map '" + written(folder, "a.toml", scene_of("a.obj")).string() + "' -i triangle.woop -f f32 -o '" +
-                   out.string() + "'");
+        folder.write("a.obj", text);
+        return run("map '" + folder.write("a.toml", scene_of("a.obj")) + "' -i triangle.woop -f f32" + into(folder));
     };
     const auto bad = map_of(square + "f 1 2 9\n");
     CHECK(bad.code == 2);

@@ -82,15 +82,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
                 CHECK(row.at(prefix + "max").empty());
                 continue;
             }
-            const auto rank = [&sorted = *values](double q) {
-                return sorted[static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size()))) - 1];
-            };
-            double sum = 0;
-            for (const double v : *values) sum += v;
-            CHECK(number_in(row.at(prefix + "mean")) ==
-                  Approx(sum / static_cast<double>(values->size())).epsilon(1e-14));
-            CHECK(number_in(row.at(prefix + "p50")) == rank(0.5));
-            CHECK(number_in(row.at(prefix + "p99")) == rank(0.99));
+            CHECK(number_in(row.at(prefix + "p50")) == (*values)[(values->size() - 1) / 2]);
             CHECK(number_in(row.at(prefix + "max")) == values->back());
         }
         CHECK(attribute(exr, "lostbits:command") ==

@@ -74,18 +74,12 @@ TEST_CASE("maps of marches: iterations, why they ended, model and rounding error
 TEST_CASE("explain and map say stagnated where the step after the last sample leads nowhere") {
     const Scratch scratch;
     const auto scene = [&](int cap) {
-        return "'" + scratch.write("far.toml", R"(schema = "lostbits-scene/1"
-title = "A test"
-size = [1, 1]
-[camera]
-kind = "orthographic"
-width = 1
-eye = [-8192, 0, 0]
-look_at = [0, 0, 0]
-[march]
-hit_eps = 1e-5
-max_dist = 20000
-max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 0.9999\n") +
+        return "'" +
+               scratch.write(
+                   "far.toml",
+                   scene_text("[march]\nhit_eps = 1e-5\nmax_dist = 20000\nmax_steps = " + std::to_string(cap) +
+                                  "\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 0.9999\n",
+                              "size = [1, 1]\n", "kind = \"orthographic\"\nwidth = 1\neye = [-8192, 0, 0]\n")) +
                "'";
     };
     const auto table = [&](int cap) { return run("explain " + scene(cap) + " --pixel 0,0 -i sdf.sphere_trace").out; };

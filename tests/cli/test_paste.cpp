@@ -63,9 +63,9 @@ const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsou
 TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
     const Scratch folder;
     // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
-    std::string own = good_scene;
-    own.replace(own.find("shared"), 6, "own");
-    own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
+    const std::string own =
+        spoilt("shared", "own") +
+        "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
     folder.write("my scene.toml", own);
     const std::string rows =
         " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "
@@ -109,23 +109,16 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
 
 TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and the constants of its march") {
     const Scratch folder;
-    const auto axis = [](const std::string& name, const std::string& from, const std::string& to,
-                         const std::string& set) {
-        return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
-               "\nsteps = 3\nset = [" + set + "]\n";
-    };
     folder.write("one.toml",
-                 head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\""));
-    folder.write("many.toml", "convention = \"closed\"\n" + head +
-                                  "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
-                                  "= 16\n" +
-                                  axis("distance", "2", "1000", "\"distance\""));
-    folder.write("march.toml", head +
-                                   "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
-                                   "2\nrays = 8\n" +
-                                   axis("distance", "4", "4000", "\"distance\", \"march.max_dist\""));
+                 sweep_of("[family]\nviews = 3\nrays = 16\n" + axis_of({"distance", "\"distance\"", "100", "1e6"})));
+    folder.write("many.toml",
+                 sweep_of("convention = \"closed\"\n[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\n"
+                          "rays = 16\n" +
+                          axis_of({"distance", "\"distance\"", "2", "1000"})));
+    folder.write("march.toml", sweep_of("[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = 2\nrays = 8\n" +
+                                        axis_of({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
     folder.write("scene.toml",
-                 "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\""));
+                 sweep_of("scene = \"near-benign\"\n" + axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1"})));
     Checked all;
     for (const auto& [name, forms] :
          std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},

@@ -38,7 +38,7 @@ const Row rows[] = {
     {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv --pictures all "
      "-o out",
      100, true},
-    {"map rtg-fig-7-3-4100-oblique box-slabs --size 33x29 -f f32 -f f64 -i sphere.schoolbook "
+    {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 -i sphere.schoolbook "
      "-i sphere.unified_unit -i box.inclusive -i box.divide --metric '*bits' --metric '*error' --metric residual --exr "
      "--pixels csv --pictures all -o out",
      40, true},
@@ -49,15 +49,16 @@ const Row rows[] = {
      "step:origin "
      "--pixels csv --pictures all -o out",
      30, true},
+    {"map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16 -o out", 4},
     {"sweep distance.toml -i '*press*' -o out", 5},
-    {"sweep few.toml -f f32 -f f64 -o out", 3, true},
+    {"sweep distance.toml --steps 5 --set views=2 -f f32 -f f64 -o out", 3, true},
     {"sweep distance.toml -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
      "--metric "
      "cancellation:c --metric contribution:c -o out",
      5},
     {"sweep march.toml -i 'sdf.*' -f f32 -o out", 6},
     {"sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -o out", 8},
-    {"sweep search.toml --worst -f f32 -f f64 -o out", 2, true},
+    {"sweep worst/near --worst -f f32 -f f64 --set starts=40 --set generations=6 -o out", 2, true},
     {"sweep worst/mesh-edges --worst -i triangle.undivided -i triangle.woop -f f32 -f p16 --set rays=2048 -o out", 2,
      true},
     {"sweep every.toml -i sphere.press -i sphere.unified -o out", 5},
@@ -74,7 +75,9 @@ const Row rows[] = {
     {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv --pictures "
      "all -o out",
      8},
+    {"consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32 -o out", 4},
     {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv --pictures all -o out", 5},
+    {"offsets spheres-on-floor --size 8x4 -o out", 4},
     {"mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 -o out --emit out/half.hpp", 5, true},
     // With every claim of these it takes 11 s of a processor each time.
     {"report near-benign sdf-union distance.toml --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i "
@@ -92,42 +95,12 @@ const std::map<std::string, std::string> others{
     {"trade", "measures time"},
 };
 
-const std::string few = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[family]
-projection = "parallel"
-views = 2
-rays = 16
-[[axis]]
-name = "distance_radii"
-spacing = "log2"
-from = 2
-to = 1048576
-steps = 5
-set = ["distance"]
-)";
-const std::string search = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[search]
-origin = [-8, 8]
-direction = [-1, 1]
-centre = [-1, 1]
-radius = [0.5, 2]
-seed = 1
-starts = 40
-generations = 6
-)";
-
 /// Every file that a command leaves, by name, what it prints, and its exit code.
 std::map<std::string, std::string> made_by(const std::string& words) {
     const Scratch scratch;
     const std::pair<const char*, std::string> files[] = {
         {"scene.toml", good_scene},
         {"distance.toml", small_sweep},
-        {"few.toml", few},
-        {"search.toml", search},
         {"march.toml", march_sweep},
         {"every.toml", every_float_to("0x1.6bp10")},
         {"far-sphere.csv", contents(fs::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv")}};

@@ -26,24 +26,10 @@ TEST_CASE("every combination of one form a shape is a set, and two hundred are t
 
 TEST_CASE("shapes that share names of numbers share their columns") {
     const Scratch scratch;
-    const std::string scene = scratch.write("both.toml", R"(schema = "lostbits-scene/1"
-title = "Both"
-source = "-"
-size = [16, 8]
-[camera]
-kind = "orthographic"
-eye = [0, 0, 5]
-look_at = [0, 0, 0]
-up = [0, 1, 0]
-width = 8
-[[sphere]]
-centre = [-2, 0.1, 0]
-radius = 1.25
-[[cylinder]]
-base = [2, -1, 0]
-top = [2.5, 1, 0]
-radius = 0.75
-)");
+    const std::string scene = scratch.write(
+        "both.toml", scene_text("[[sphere]]\ncentre = [-2, 0.1, 0]\nradius = 1.25\n[[cylinder]]\nbase = [2, -1, "
+                                "0]\ntop = [2.5, 1, 0]\nradius = 0.75\n",
+                                "size = [16, 8]\n", "kind = \"orthographic\"\neye = [0, 0, 5]\nwidth = 8\n"));
     const std::string map = "map '" + scene + "' -f f32 -i sphere.schoolbook+cylinder.crossed";
     must(map + into(scratch));
     const auto row = read_csv(scratch / "out/both/summary.csv").at(0);
@@ -113,22 +99,6 @@ TEST_CASE("answers to spheres and boxes together are judged against the nearest 
     // Its worst rays are a file of cases, of one shape or of both, which a sweep reads back.
     must("sweep '" + (scratch / "out/rays/worst.toml").string() + "' -i sphere.unified -i box.signs" +
          into(scratch, "again"));
-}
-
-TEST_CASE("offsets, consistency and choices measure sets, with the same bytes on any threads and registers") {
-    const Scratch scratch;
-    for (const std::string& words :
-         {std::string("offsets spheres-on-floor --size 8x4"),
-          std::string("consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32"),
-          std::string("map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16")}) {
-        INFO(words);
-        must(words + " -j 1 --isa scalar" + into(scratch, "one"));
-        must(words + " -j 4" + into(scratch, "many"));
-        must("diff --strict '" + (scratch / "one").string() + "' '" + (scratch / "many").string() + "'");
-        fs::remove_all(scratch / "one");
-        fs::remove_all(scratch / "many");
-    }
-    must("choose spheres-on-floor --size 8x4 --quick --bits 4 -i sphere.press -i box.signs" + into(scratch));
 }
 
 }  // namespace test_sets

@@ -17,11 +17,10 @@ using namespace lostbits::test;
 
 TEST_CASE("twelve kilometres out a map tells what each space loses, and which step loses it") {
     const Scratch folder;
-    const std::string out = (folder / "out").string();
     must(
         "map instance-far.sphere -i 'sphere.unified@*' -f f32 --size 24x24 --metric worst_step --metric "
-        "step:origin --metric step:form -o '" +
-        out + "'");
+        "step:origin --metric step:form" +
+        into(folder));
     const auto rows = read_csv(folder / "out/instance-far.sphere/summary.csv");
     REQUIRE(rows.size() == intersect::space::spaces().size());
     for (const auto& row : rows) {
@@ -39,13 +38,12 @@ TEST_CASE("twelve kilometres out a map tells what each space loses, and which st
 
 TEST_CASE("a form without a space is asked through the plain one, and a scene of several shapes by sets") {
     const Scratch folder;
-    const std::string out = (folder / "out").string();
-    must("map instance-far.box -i box.signs -f f32 --size 8x8 -o '" + out + "/one'");
+    must("map instance-far.box -i box.signs -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/instance-far.box/summary.csv")[0].at("form") == "box.signs@plain");
     const auto crowd = must(
         "map instance-crowd -i sphere.unified@relative -i box.signs@pbrt -i capsule.half_b -i "
-        "cone.moment@embree -f f32 --size 12x12 -o '" +
-        out + "/many'");
+        "cone.moment@embree -f f32 --size 12x12" +
+        into(folder, "out/many"));
     CHECK(read_csv(folder / "out/many/instance-crowd/summary.csv")[0].at("form") ==
           "sphere.unified@relative+box.signs@pbrt+capsule.half_b@plain+cone.moment@embree");
 }
@@ -95,8 +93,7 @@ TEST_CASE("what is wrong with a matrix or a space is said, and nothing is writte
 
 TEST_CASE("a glob of steps is every step, and a glob of forms through a space leaves out those that march") {
     const Scratch folder;
-    const std::string out = (folder / "out").string();
-    must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*' -o '" + out + "'");
+    must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*'" + into(folder));
     const auto rows = read_csv(folder / "out/instance-far.sphere/summary.csv");
     CHECK(rows.size() > 5);
     for (const auto& row : rows) {
@@ -108,9 +105,8 @@ TEST_CASE("a glob of steps is every step, and a glob of forms through a space le
 
 TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene that they are of") {
     const Scratch folder;
-    const std::string out = (folder / "out").string();
     const std::string scene = "instance-far.sphere --size 7x7 -i sphere.unified@pbrt -f f32";
-    must("map " + scene + " -o '" + out + "'");
+    must("map " + scene + into(folder));
     std::string names, matrix, solid, with_matrices, without;
     for (int i = 0; i < 49; ++i) {
         const auto pixel = " --pixel " + std::to_string(i % 7) + "," + std::to_string(i / 7);
@@ -130,8 +126,8 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     }
     const std::string head = "ox,oy,oz,dx,dy,dz";
     const std::string file = folder.write("rays.csv", head + names + "\n" + with_matrices);
-    must("judge '" + file + "' --format f32 --sphere=" + solid +
-         " -i sphere.unified@pbrt -i sphere.unified --rows -o '" + out + "'");
+    must("judge '" + file + "' --format f32 --sphere=" + solid + " -i sphere.unified@pbrt -i sphere.unified --rows" +
+         into(folder));
     const auto rows = read_csv(folder / "out/rays/summary.csv");
     const auto map = read_csv(folder / "out/instance-far.sphere/summary.csv");
     REQUIRE(rows.size() == 2);
@@ -142,33 +138,34 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     // Its worst rays are cases, with their matrices.
     const auto worst = (folder / "out/rays/worst.toml").string();
     CHECK(has(test::contents(worst), "matrix = ["));
-    must("sweep '" + worst + "' -i sphere.unified@pbrt -f f32 -o '" + out + "/w'");
+    must("sweep '" + worst + "' -i sphere.unified@pbrt -f f32" + into(folder, "out/w"));
     double most = 0;
     for (const auto& row : read_csv(folder / "out/w/worst/cases.csv"))
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
     // Given once, with the solid: the same again.
     must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --format f32 --sphere=" + solid + "@" +
-         matrix.substr(1) + " -i sphere.unified@pbrt -o '" + out + "'");
+         matrix.substr(1) + " -i sphere.unified@pbrt" + into(folder));
     CHECK(read_csv(folder / "out/once/summary.csv")[0].at("lost_bits_p99") == rows[0].at("lost_bits_p99"));
     // A singular one is refused with its line.
     const std::string ray = "0,0,-5,0,0,1";
     const std::string flat = folder.write(
         "flat.csv", head + names + "\n" + ray + ",1,0,0,0,0,1,0,0,0,0,1,0\n" + ray + ",1,2,3,0,2,4,6,0,0,0,1,0\n");
-    const auto refused = run("judge '" + flat + "' --sphere 0,0,0,1 -i sphere.unified -o '" + out + "/f'");
+    const auto refused = run("judge '" + flat + "' --sphere 0,0,0,1 -i sphere.unified" + into(folder, "out/f"));
     CHECK(refused.code == 2);
     CHECK(has(refused.err, "flat.csv:3:"));
     CHECK(has(refused.err, "singular"));
     const std::string part = folder.write("part.csv", head + ",M00,M01\n" + ray + ",1,0\n");
-    CHECK(has(run("judge '" + part + "' --sphere 0,0,0,1 -i sphere.unified -o '" + out + "/f'").err,
+    CHECK(has(run("judge '" + part + "' --sphere 0,0,0,1 -i sphere.unified" + into(folder, "out/f")).err,
               "a matrix has no m02"));
-    CHECK(has(run("judge '" + file + "' --sphere 0,0,0,1 --sphere 0,0,3,1 -i sphere.unified -o '" + out + "/f'").err,
-              "one solid is to be given"));
+    CHECK(
+        has(run("judge '" + file + "' --sphere 0,0,0,1 --sphere 0,0,3,1 -i sphere.unified" + into(folder, "out/f")).err,
+            "one solid is to be given"));
 }
 
 TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {
     const Scratch folder;
-    const std::string out = " -o '" + (folder / "out").string() + "'";
+    const std::string out = into(folder);
     must("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::space::spaces().size());
@@ -177,11 +174,10 @@ TEST_CASE("trade has the price of a space on a scene, and says why it has none a
 
 TEST_CASE("a map behind boxes tells the level that loses a hit") {
     const Scratch folder;
-    const std::string out = (folder / "out").string();
     must(
         "map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
-        "--metric padding -o '" +
-        out + "'");
+        "--metric padding" +
+        into(folder));
     std::map<std::string, double> culled;
     for (const auto& row : read_csv(folder / "out/behind-boxes.sphere/summary.csv")) {
         culled[row.at("form")] = number_in(row.at("false_miss"));
@@ -197,29 +193,28 @@ TEST_CASE("a map behind boxes tells the level that loses a hit") {
 TEST_CASE("two levels of boxes are named from the inside out, and explained") {
     const Scratch folder;
     const std::string name = "box.filtered^box.signs@relative^box.embree_padded~pbrt";
-    const std::string out = (folder / "out").string();
-    must("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to -o '" + out + "'");
+    must("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to" + into(folder));
     const auto rows = read_csv(folder / "out/behind-boxes.instance/summary.csv");
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].at("form") == name);
     const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
     CHECK(has(explained.out, name));
     // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the solid.
-    must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8 -o '" + out + "/one'");
+    must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
           "box.filtered^box.signs@plain");
 }
 
 TEST_CASE("steps and offsets of a form behind a box in the world are those of its way into the space of the solid") {
     const Scratch folder;
-    const std::string form = "box.signs@plain", out = (folder / "out").string();
+    const std::string form = "box.signs@plain";
     const auto step = [&](const std::string& name, const std::string& where) {
-        must("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step -o '" + out + where +
-             "'");
+        must("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step" +
+             into(folder, "out" + where));
         return read_csv(folder / ("out" + where) / "behind-boxes.instance/summary.csv")[0].at("worst_step_inverse");
     };
     CHECK(step(form, "/a") == step(form + "^box.embree_robust", "/b"));
-    must("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8 -o '" + out + "/c'");
+    must("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8" + into(folder, "out/c"));
 }
 
 TEST_CASE("what cannot be behind a box is refused with what to write") {

@@ -12,10 +12,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string spoil(const std::string& what, const std::string& by) {
-    std::string text = small_sweep;
-    return text.replace(text.find(what), what.size(), by);
-}
+std::string spoil(const std::string& what, const std::string& by) { return replaced(small_sweep, what, by); }
 
 }  // namespace
 
@@ -92,20 +89,10 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
 
 TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
     const Scratch scratch;
-    const std::string file = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-scene = "near-benign"
-
-[[axis]]
-name = "radius"
-spacing = "linear"
-from = 0.25
-to = 1
-steps = 4
-set = ["sphere[0].radius", "sphere[1].radius"]
-factors = [1, 0.5]
-)");
+    const std::string file = scratch.write(
+        "s.toml", sweep_of("scene = \"near-benign\"\n" +
+                           axis_of({"radius", "\"sphere[0].radius\", \"sphere[1].radius\"", "0.25", "1", 4, "linear"}) +
+                           "factors = [1, 0.5]\n"));
     must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
     const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 4);
@@ -131,10 +118,9 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
 TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
     // tests/scene/sweep has what else can be wrong with a file.
     const Scratch scratch;
-    const std::string culprit =
-        "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-8, 8]\n"
-        "direction = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\nmetric = \"culprit\"\nseed = 1\nstarts = 2\n"
-        "generations = 2\n";
+    const std::string culprit = sweep_of(
+        "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\n"
+        "metric = \"culprit\"\nseed = 1\nstarts = 2\ngenerations = 2\n");
     const std::pair<const char*, std::string> files[] = {
         {"set.toml", spoil("distance\"]", "distanse\"]")},
         {"equal.toml", spoil("from = 2", "from = 1048576")},
@@ -170,10 +156,6 @@ impact_radii = [0, 0.9]
 starts = 2
 generations = 8
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    return text.replace(text.find(what), what.size(), by);
-}
 
 }  // namespace
 
@@ -219,17 +201,9 @@ TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
     }
     CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
 
-    const std::string sweep = scratch.write("w.toml", head + R"([family]
-views = 2
-rays = 2
-[[axis]]
-name = "size"
-spacing = "log2"
-from = "0x1p-30"
-to = "0x1p-22"
-steps = 9
-set = ["radius"]
-)");
+    const std::string sweep = scratch.write(
+        "w.toml",
+        sweep_of("[family]\nviews = 2\nrays = 2\n" + axis_of({"size", "\"radius\"", "\"0x1p-30\"", "\"0x1p-22\"", 9})));
     // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
     CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
           "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");

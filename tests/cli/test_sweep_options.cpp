@@ -10,10 +10,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string with_steps(int n) {
-    std::string text = small_sweep;
-    return text.replace(text.find("steps = 20"), 10, "steps = " + std::to_string(n));
-}
+std::string with_steps(int n) { return replaced(small_sweep, "steps = 20", "steps = " + std::to_string(n)); }
 
 }  // namespace
 
@@ -91,22 +88,10 @@ TEST_CASE("an onset that is read from the last step is that of the sweep whose s
 TEST_CASE("a sweep says where a form first hits the wrong solid, as its own steps do") {
     const Scratch scratch;
     scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n");
-    scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-scene = "two.toml"
-[[axis]]
-name = "eye_z"
-spacing = "log2"
-from = 4
-to = 1024
-steps = 9
-set = ["camera.eye[2]"]
-[[mark]]
-at = 8
-label = "the wrong one"
-measured = { form = "sphere.schoolbook", event = "wrong_object", threshold = 1 }
-)");
+    scratch.write("s.toml",
+                  sweep_of("scene = \"two.toml\"\n" + axis_of({"eye_z", "\"camera.eye[2]\"", "4", "1024", 9}) +
+                           "[[mark]]\nat = 8\nlabel = \"the wrong one\"\nmeasured = { form = \"sphere.schoolbook\", "
+                           "event = \"wrong_object\", threshold = 1 }\n"));
     must("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path());
     double first = 0;  // the first step with a wrong solid
     for (const auto& step : read_csv(scratch / "s/samples.csv")) {
@@ -142,18 +127,8 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
     CHECK(has(contents(scratch / "a/s/datapackage.json"),
               "A test (--steps 3, --set rays=5, --set family.views=2, --set axis[0].to=8)"));
 
-    scratch.write("scene.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-scene = "near-benign"
-[[axis]]
-name = "radius"
-spacing = "linear"
-from = 0.25
-to = 1
-steps = 4
-set = ["sphere[0].radius"]
-)");
+    scratch.write("scene.toml", sweep_of("scene = \"near-benign\"\n" +
+                                         axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1", 4, "linear"})));
     const auto scene = [&](const std::string& options) {
         return run("sweep scene.toml -i sphere.unified -f f32 -q " + options, scratch.path());
     };

@@ -97,7 +97,8 @@ TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of th
         if (same == summary.end()) continue;  // compiled with other flags: a map does not know it
         isas.insert(row.at("isa"));
         compared.insert(row.at("form") + row.at("format"));
-        for (const char* column : {"lost_bits_p50", "lost_bits_p99", "false_miss_fraction"})
+        for (const char* column :
+             {"rays", "lost_bits_p50", "lost_bits_p99", "false_hit_fraction", "false_miss_fraction"})
             CHECK(row.at(column) == same->at(column));
         const double wrong = number_in(same->at("false_hit")) + number_in(same->at("false_miss")) +
                              number_in(same->at("not_a_number")) + number_in(same->at("wrong_object"));

@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -17,14 +18,10 @@ using measure::answer::Answers;
 
 namespace {
 
-const std::string odd = std::string(" --plugin ") + LOSTBITS_LIBRARIES + "/odd_plugin.so";
+const std::string odd = plugin("odd_plugin");
 
-std::map<std::string, std::string> row_of(const Scratch& folder, const std::string& form) {
-    for (auto& row : read_csv(folder.path() / "out/near-benign/summary.csv")) {
-        if (row["form"] == form) return row;
-    }
-    FAIL("no row " << form);
-    return {};
+std::map<std::string, std::string> row_in(const Scratch& folder, const std::string& form) {
+    return row_of(folder / "out/near-benign/summary.csv", form);
 }
 
 int count(std::map<std::string, std::string>& row, const std::string& name) {
@@ -57,10 +54,8 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
 TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 64x48 -f f32 --pictures all -o out ";
-    REQUIRE(
-        run(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path())
-            .code == 0);
-    auto self = row_of(folder, "sphere.unified"), rival = row_of(folder, "sphere.schoolbook");
+    must(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path());
+    auto self = row_in(folder, "sphere.unified"), rival = row_in(folder, "sphere.schoolbook");
     CHECK(count(self, "both_miss") + count(self, "same_t") == 64 * 48);
     CHECK(self["apart_max"] == "0");
     CHECK(count(rival, "other_t") > 100);
@@ -73,7 +68,7 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
     CHECK(has(predicate.err, "only their decisions are compared"));
     CHECK_FALSE(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.apart.png"));
     CHECK(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.against.png"));
-    auto said = row_of(folder, "odd.predicate");
+    auto said = row_in(folder, "odd.predicate");
     CHECK(count(said, "incomparable_t") > 100);
     CHECK(count(said, "both_hit") == count(said, "incomparable_t"));
     CHECK(count(said, "incomparable_t") + count(said, "both_miss") + count(said, "alone_hits") +
@@ -83,24 +78,17 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
 
 TEST_CASE("against: a sweep counts too, and wrong words are refused", "[doors]") {
     const Scratch folder;
-    REQUIRE(
-        run("sweep sphere-distance -i sphere.schoolbook -f f32 --against sphere.unified -o out", folder.path()).code ==
-        0);
+    must("sweep sphere-distance -i sphere.schoolbook -f f32 --against sphere.unified -o out", folder.path());
     const auto steps = read_csv(folder.path() / "out/sphere-distance/samples.csv");
     CHECK(std::stoi(steps.front().at("against_other_alone_hits")) == 0);
     int most = 0;
     for (const auto& step : steps) most = std::max(most, std::stoi(step.at("against_other_alone_hits")));
     CHECK(most > 300);  // far away the schoolbook form misses what unified hits
-    const auto refused = [&](const std::string& words, const std::string& says) {
-        const Outcome o = run("map near-benign --size 32x24 -o out2 " + words, folder.path());
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 2);
-        CHECK(has(o.err, says));
-    };
-    refused("-i sphere.press --against box.signs", "no selected form is for that");
-    refused("-f f64 -i sphere.press --against sphere.double_inside", "in f32");
-    refused("--against sphere.unifide", "did you mean");
-    refused("--metric apart", "--against FORM");
+    check_refused(Scratch(), "map near-benign --size 32x24 -o out",
+                  {{"-i sphere.press --against box.signs", "no selected form is for that"},
+                   {"-f f64 -i sphere.press --against sphere.double_inside", "in f32"},
+                   {"--against sphere.unifide", "did you mean"},
+                   {"--metric apart", "--against FORM"}});
 }
 
 }  // namespace test_against

@@ -13,9 +13,7 @@ using namespace lostbits::test;
 TEST_CASE("plugin: explain says what an answer is worth, and no more of a form that is compiled elsewhere", "[doors]") {
     const Scratch folder;
     const std::string ray = "explain --sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1 -f f32";
-    const Outcome told = run(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
-    INFO(told.out << told.err);
-    REQUIRE(told.code == 0);
+    const Outcome told = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
     CHECK(has(told.out, "Its operations are not known, since it is compiled elsewhere"));
     CHECK(has(told.out, "radius"));
     // Above the operations it has the words of the form that it copies.
@@ -47,9 +45,7 @@ TEST_CASE("plugin: explain says what a form that is named beside is worth, and y
     const Scratch folder;
     const std::string with = " -f f32" + plugin("odd_plugin");
     const auto told = [&](const std::string& words) {
-        const Outcome o = run("explain " + words + with, folder.path());
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 0);
+        const Outcome o = must("explain " + words + with, folder.path());
         return o.out;
     };
     const std::string ahead = "--sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1",
@@ -77,9 +73,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
     const std::string both = plugin("schoolbook") + " --plugin new=next/schoolbook.so";
     for (const std::string door : {"", " --isolate"}) {
         const std::string map = "map near-benign --size 32x24 -f f32 --force -o out" + both + door;
-        const Outcome o = run(map + " -i '*example.schoolbook'", folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must(map + " -i '*example.schoolbook'", folder.path());
         auto old = row_of(folder.path() / "out/near-benign/summary.csv", "example.schoolbook", "f32"),
              fresh = row_of(folder.path() / "out/near-benign/summary.csv", "new.example.schoolbook", "f32");
         CHECK(std::stoi(old["agree_hit"]) > 50);
@@ -88,7 +82,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
         const std::string pasted = fresh["worst_explain"];
         CHECK(has(pasted, "-i new.example.schoolbook -f f32 --plugin "));
         CHECK(has(pasted, " --plugin new=next/schoolbook.so"));
-        CHECK(run(pasted.substr(9) + door, folder.path()).code == 0);
+        must(pasted.substr(9) + door, folder.path());
     }
     const std::string file = folder.write(
         "rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-6,0,0,1,1,5\n0.5,0,-6,0,0,1,1,5.133975\n");
@@ -104,9 +98,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
     for (const std::string words :
          {"trade --quick --repetitions 1 -i '*example.schoolbook' -f f32 -o out",
           "choose near-benign --size 16x12 --bits 1 --quick -i '*example.schoolbook' -f f32 -o out"}) {
-        const Outcome o = run(words + both, folder.path());
-        INFO(words << ": " << o.out << o.err);
-        CHECK(o.code == 0);
+        must(words + both, folder.path());
     }
     const Outcome twice =
         run("list intersectors" + plugin("schoolbook") + " --plugin next/schoolbook.so", folder.path());
@@ -132,12 +124,9 @@ TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[
     std::filesystem::create_directory(folder.path() / "my scenes");
     std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",
                                folder.path() / "my scenes/mine.toml");
-    const std::string claim = "\"\nstatement = \"odd.right is wrong\"\nsource = \"-\"\nverdict = \"holds\"\n";
-    const std::string claims = folder.write(
-        "my scenes/claims.toml",
-        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"by-map" + claim +
-            "[claim.given]\nscene = \"mine.toml\"\nform = \"odd.right\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
-            "\"false_miss_fraction\"\nin = [0.5, 0.6]\n");
+    const std::string claims =
+        folder.write("my scenes/claims.toml", claims_of({{"by-map", "scene = \"mine.toml\"\n" + tested("odd.right"),
+                                                          metric_in("false_miss_fraction", "[0.5, 0.6]")}}));
     const Outcome checked =
         run("check '" + claims + "' --junit junit.xml --export-json claims.json" + plugin("odd_plugin"), folder.path());
     CHECK(checked.code == 1);
@@ -147,15 +136,13 @@ TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[
     };
     const std::string told = in_words(checked.out, "reproduce: lostbits ");
     CHECK(has(told, "mine.toml' -i odd.right -f f32 -o out --plugin "));
-    CHECK(run(told, folder.path()).code == 0);
+    must(told, folder.path());
     CHECK(has(contents(folder.path() / "junit.xml"), told));
     // Of two libraries the words stand once.
     CHECK(told.find("--plugin") == told.rfind("--plugin"));
     const Outcome page =
-        run("report 'my scenes/mine.toml' --size 16x12 -i odd.first -f f32 --no-claims -o page" + plugin("odd_plugin"),
-            folder.path());
-    INFO(page.err);
-    REQUIRE(page.code == 0);
+        must("report 'my scenes/mine.toml' --size 16x12 -i odd.first -f f32 --no-claims -o page" + plugin("odd_plugin"),
+             folder.path());
     const std::string html = contents(folder.path() / "page/index.html");
     CHECK(has(html, "\"named\":\"'my scenes/mine.toml' --size 16x12\""));
     CHECK(has(html, "\"from\":\" --plugin " + library("odd_plugin") + "\""));

@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_facing {
 
@@ -14,10 +15,7 @@ namespace {
 
 const std::string facing = std::string(LOSTBITS_LIBRARIES) + "/facing.so";
 
-const std::string scene =
-    "schema = \"lostbits-scene/1\"\ntitle = \"a\"\nsource = \"here\"\n[camera]\nkind = \"pinhole\"\neye = [0, 0, "
-    "5]\nlook_at = [0, 0, 0]\n"
-    "up = [0, 1, 0]\nfov_deg = 60\n";
+const std::string camera = "kind = \"pinhole\"\nfov_deg = 60\neye = [0, 0, 5]\n";
 
 /// A scene of the vertices of a triangle, `a` to `c`, each a list of numbers.
 std::string of_triangle(const std::string& a, const std::string& b, const std::string& c) {
@@ -30,12 +28,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
     const Scratch folder;
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find(form + " in binary32");
-        INFO(form << o.out);
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
     for (const std::string form : {"front", "back", "both", "ahead", "disc"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
@@ -53,23 +46,20 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
 
 TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side", "[doors]") {
     const Scratch folder;
-    folder.write("near.toml", scene + of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
-                                  of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"));
-    folder.write("ball.toml", scene + "[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n");
+    folder.write("near.toml", scene_text(of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
+                                             of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"),
+                                         "", camera));
+    folder.write("ball.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n",
+                                         "", camera));
     const auto row = [&](const std::string& name, const std::string& form) {
-        for (auto& each : read_csv(folder.path() / "out" / name / "summary.csv"))
-            if (each["form"] == form) return each;
-        FAIL("no row " << form);
-        return std::map<std::string, std::string>{};
+        return row_of(folder / ("out/" + name + "/summary.csv"), form);
     };
     for (const std::string name : {"near", "ball"}) {
-        const Outcome map = run("map " + name +
-                                    ".toml --size 64x64 -f f32 -o out -i triangle.moller_trumbore_culling "
-                                    "-i triangle.filtered -i 'word.*' -i 'bad.*' --plugin " +
-                                    facing,
-                                folder.path());
-        INFO(map.err);
-        REQUIRE(map.code == 0);
+        must("map " + name +
+                 ".toml --size 64x64 -f f32 -o out -i triangle.moller_trumbore_culling "
+                 "-i triangle.filtered -i 'word.*' -i 'bad.*' --plugin " +
+                 facing,
+             folder.path());
         for (const std::string form : {"word.front", "word.back", "word.both", "triangle.moller_trumbore_culling"}) {
             auto each = row(name, form);
             INFO(name << ' ' << form);
@@ -84,10 +74,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
 
     folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,5,0,0,-1,0,0\n0,0,-5,0,0,1,1,5\n");
     const auto judged = [&](const std::string& side) {
-        const Outcome o =
-            run("judge rays.csv --triangle=-1,-1,0,0,1,0,1,-1,0 --facing " + side + " -o " + side, folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("judge rays.csv --triangle=-1,-1,0,0,1,0,1,-1,0 --facing " + side + " -o " + side, folder.path());
         return read_csv(folder.path() / side / "rays/summary.csv").front();
     };
     CHECK(judged("front")["agree_hit"] == "1");
@@ -101,28 +88,17 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
 }
 
 TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
-    const Scratch folder;
-    const auto header = [&](const std::string& words) {
-        return run("list intersectors --json --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\nroots=first\\n" + words +
-                       "\\n\\n'; cat\"",
-                   folder.path());
-    };
-    const Outcome front = header("shape=triangle\\nfacing=front");
+    const std::string first = "roots=first\\n";
+    const Outcome front = listed_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
     INFO(front.err);
     CHECK(front.code == 0);
     const auto forms = nlohmann::json::parse(front.out);
     const auto found = std::find_if(forms.begin(), forms.end(), [](const auto& form) { return form["name"] == "a.x"; });
     REQUIRE(found != forms.end());
     CHECK((*found)["facing"] == "front");
-    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"shape=sphere\\nfacing=front", "leave it out of a sphere"},
-             {"shape=tube\\nfacing=back", "leave it out of a tube"},
-             {"shape=triangle\\nfacing=ahead", "it is one of both, front, back"}}) {
-        const Outcome o = header(words);
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 2);
-        CHECK(has(o.err, says));
-    }
+    check_refused_headers({{first + "shape=sphere\\nfacing=front", "leave it out of a sphere"},
+                           {first + "shape=tube\\nfacing=back", "leave it out of a tube"},
+                           {first + "shape=triangle\\nfacing=ahead", "it is one of both, front, back"}});
 }
 
 }  // namespace test_facing

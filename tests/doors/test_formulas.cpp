@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_formulas {
 
@@ -13,8 +14,7 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string folder_of_libraries = LOSTBITS_LIBRARIES;
-const std::string own = " --plugin " + folder_of_libraries + "/own_forms.so";
+const std::string own = plugin("own_forms");
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
@@ -41,13 +41,11 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
           Case{{"sdf.secant_refined", "own.secant_refined"}, "sdf-sphere"}}) {
         const Scratch folder;
         const std::string ours(forms.ours), copy(forms.copy);
-        const Outcome o = run("map " + std::string(scene) + " --size 48x32 -i " + ours + " -i " + copy + how +
-                                  " --pixels csv --metric lost_bits --metric model_error --metric "
-                                  "rounding_error --metric culprit --metric condition --metric residual --exr -o out" +
-                                  own,
-                              folder.path());
-        INFO(scene << ": " << o.err);
-        REQUIRE(o.code == 0);
+        must("map " + std::string(scene) + " --size 48x32 -i " + ours + " -i " + copy + how +
+                 " --pixels csv --metric lost_bits --metric model_error --metric "
+                 "rounding_error --metric culprit --metric condition --metric residual --exr -o out" +
+                 own,
+             folder.path());
         const auto out = folder.path() / "out" / scene;
         std::size_t compared = 0;
         for (const std::string& name : folder.files()) {
@@ -73,9 +71,7 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
 }
 
 TEST_CASE("formulas: the comparison by which a form is wrong without rounding is named", "[doors]") {
-    const Outcome o = run("explain --sphere 0,0,5,1 --ray 0.9999,0,0,0,0,1 -f f64 -i own.gives_up" + own);
-    INFO(o.out << o.err);
-    REQUIRE(o.code == 0);
+    const Outcome o = must("explain --sphere 0,0,5,1 --ray 0.9999,0,0,0,0,1 -f f64 -i own.gives_up" + own);
     CHECK(has(o.out, "the form misses even without rounding."));
     CHECK(has(o.out, "Without rounding disc < 1/1000 holds, where disc is 0.000199989"));
     CHECK_FALSE(has(o.out, "root < h"));
@@ -84,9 +80,7 @@ TEST_CASE("formulas: the comparison by which a form is wrong without rounding is
 }
 
 TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation that also rounds", "[doors]") {
-    const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
-    INFO(o.out << o.err);
-    REQUIRE(o.code == 0);
+    const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
     CHECK(has(o.out, "No operation is to blame: rounding inside the form makes "));
     CHECK(has(o.out, "the rest is there without it, from what the form assumes"));
     CHECK_FALSE(has(o.out, "The culprit is"));
@@ -96,9 +90,7 @@ TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation t
 
 TEST_CASE("formulas: explained, in any format, and with the same words", "[doors]") {
     const auto told = [](const std::string& form, const std::string& how) {
-        const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
-        INFO(o.err);
-        CHECK(o.code == 0);
+        const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
         return o.out;
     };
     for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --latex"}) {
@@ -111,9 +103,7 @@ TEST_CASE("formulas: explained, in any format, and with the same words", "[doors
 
 TEST_CASE("formulas: the price is of packs of every width, with its operations", "[doors]") {
     const Scratch folder;
-    REQUIRE(
-        run("trade --quick --repetitions 1 -i own.unified -i sphere.unified -f f32 -o out" + own, folder.path()).code ==
-        0);
+    must("trade --quick --repetitions 1 -i own.unified -i sphere.unified -f f32 -o out" + own, folder.path());
     std::map<std::string, std::vector<std::string>> widths, adds;
     for (auto& row : read_csv(folder.path() / "out/sphere/trade.csv")) {
         if (row["form"] != "own.unified" && row["form"] != "sphere.unified") continue;
@@ -130,7 +120,7 @@ TEST_CASE("formulas: the price is of packs of every width, with its operations",
 TEST_CASE("formulas: the bits are the same for every register width, and through the C interface", "[doors]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 50x30 -i own.unified -f f32 -f f64 --pixels csv --metric lost_bits";
-    REQUIRE(run(map + " --isa scalar -o scalar" + own, folder.path()).code == 0);
+    must(map + " --isa scalar -o scalar" + own, folder.path());
     std::size_t widths = 0;
     for (const std::string more : {" --isa 128", " --isa 256", " --isa 512", " --isolate"}) {
         const Outcome o = run(map + more + " -o out" + own, folder.path());
@@ -150,11 +140,7 @@ TEST_CASE("formulas: the bits are the same for every register width, and through
 TEST_CASE("formulas: plugin check tries the t of a hit beside its near and far", "[doors]") {
     const Outcome o = run("plugin check --time-limit 2" + own.substr(own.find("--plugin") + 8));
     CHECK(o.code == 3);  // one of its forms hangs
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find("own." + form + " in binary32");
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find("\nown.", at) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, "own." + form); };
     for (const std::string form : {"unified", "double_inside", "inclusive"}) {
         INFO(finding(form));
         CHECK(has(finding(form), "does as it says"));
@@ -188,26 +174,26 @@ TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the progra
 
 TEST_CASE("formulas: a library may hold forms that march alone, and its commands can be pasted", "[doors]") {
     const Scratch folder;
-    const std::string march = " --plugin " + folder_of_libraries + "/only_march.so";
-    REQUIRE(run("map sdf-sphere --size 32x24 -i mylib.half -f f32 -o out" + march, folder.path()).code == 0);
+    const std::string march = plugin("only_march");
+    must("map sdf-sphere --size 32x24 -i mylib.half -f f32 -o out" + march, folder.path());
     auto row = read_csv(folder.path() / "out/sdf-sphere/summary.csv").front();
     CHECK(row["form"] == "mylib.half");
     CHECK(std::stoi(row["agree_hit"]) > 50);
     const std::string pasted = row["worst_explain"];
     CHECK(has(pasted, "only_march.so"));
     REQUIRE(pasted.starts_with("lostbits "));
-    CHECK(run(pasted.substr(9), folder.path()).code == 0);
+    must(pasted.substr(9), folder.path());
 }
 
 TEST_CASE("formulas: a library that rounds a*b + c once is refused", "[doors]") {
-    if (!std::filesystem::exists(folder_of_libraries + "/contracting.so")) return;  // x86-64 alone
-    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/contracting.so");
+    if (!std::filesystem::exists(library("contracting"))) return;  // x86-64 alone
+    const Outcome o = run("list intersectors" + plugin("contracting"));
     CHECK((o.code == 2 || has(o.err, "SIGILL")));
     CHECK((has(o.err, "-ffp-contract=off") || has(o.err, "SIGILL")));
 }
 
 TEST_CASE("formulas: a library compiled with other headers is refused before it is used", "[doors]") {
-    const Outcome o = run("list intersectors --plugin " + folder_of_libraries + "/other_build.so");
+    const Outcome o = run("list intersectors" + plugin("other_build"));
     CHECK(o.code == 2);
     CHECK(has(o.err, "compiled with the headers of lostbits 0.0.7-cafe"));
     CHECK(has(o.err, "compile it again"));

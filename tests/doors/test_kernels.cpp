@@ -35,13 +35,10 @@ TEST_CASE("kernels: OpenCL has the bits of C++ where contraction is off, and tho
     if (is_long()) scenes.insert(scenes.end(), {"near-benign", "camera-inside"});
     for (const std::string& scene : scenes) {
         const Scratch folder;
-        const Outcome o =
-            run("map " + scene + " --size 96x64 -i 'opencl.*' -i sphere.half_b -f f32 --pixels csv -o out" + patient +
-                    opencl("opencl.as_written", "-DAS_WRITTEN" + rounded) + opencl("opencl.default", rounded) +
-                    opencl("opencl.mad", rounded + " -cl-mad-enable") + opencl("opencl.fast", "-cl-fast-relaxed-math"),
-                folder.path(), kept_in(folder));
-        INFO(scene << "\n" << o.err);
-        REQUIRE(o.code == 0);
+        must("map " + scene + " --size 96x64 -i 'opencl.*' -i sphere.half_b -f f32 --pixels csv -o out" + patient +
+                 opencl("opencl.as_written", "-DAS_WRITTEN" + rounded) + opencl("opencl.default", rounded) +
+                 opencl("opencl.mad", rounded + " -cl-mad-enable") + opencl("opencl.fast", "-cl-fast-relaxed-math"),
+             folder.path(), kept_in(folder));
         const auto out = folder.path() / "out" / scene;
         const auto bits = [&out](const std::string& form) { return contents(out / (form + ".f32.csv")); };
         const std::string ours = bits("sphere.half_b");
@@ -59,9 +56,7 @@ TEST_CASE("kernels: OpenCL has the bits of C++ where contraction is off, and tho
 
 TEST_CASE("kernels: OpenCL keeps what its contract says", "[kernels]") {
     const Scratch folder;
-    const Outcome o = run("plugin check" + patient + opencl("opencl.sphere", ""), folder.path(), kept_in(folder));
-    INFO(o.out << o.err);
-    CHECK(o.code == 0);
+    const Outcome o = must("plugin check" + patient + opencl("opencl.sphere", ""), folder.path(), kept_in(folder));
     CHECK(has(o.out, "does as it says"));
 }
 
@@ -95,12 +90,9 @@ TEST_CASE("kernels: what cannot run is told in a sentence, and nothing is writte
 TEST_CASE("kernels: the program for CUDA and its side of the kernel have the bits of C++ on a stand-in", "[kernels]") {
     for (const std::string scene : {"near-benign", "camera-inside"}) {
         const Scratch folder;
-        const Outcome o = run(
-            "map " + scene +
-                " --size 96x64 -i 'cuda.*' -i sphere.half_b -f f32 --pixels csv -o out --pipe " LOSTBITS_CUDA_STAND_IN,
-            folder.path());
-        INFO(scene << "\n" << o.err);
-        REQUIRE(o.code == 0);
+        must("map " + scene +
+                 " --size 96x64 -i 'cuda.*' -i sphere.half_b -f f32 --pixels csv -o out --pipe " LOSTBITS_CUDA_STAND_IN,
+             folder.path());
         const auto out = folder.path() / "out" / scene;
         CHECK(contents(out / "sphere.half_b.f32.csv") == contents(out / "cuda.sphere.f32.csv"));
     }

@@ -18,20 +18,8 @@ namespace {
 
 const std::string comma_library = std::string(LOSTBITS_LIBRARIES) + "/comma.so";
 
-const std::string claims = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "comma"
-statement = "Half of the hits lose less than 24.5 bits"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "camera-inside"
-form = "sphere.unit_half_b"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0.5, 1.5]
-)";
+const std::string claims = claims_of({{"comma", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                                       metric_in("false_miss_fraction", "[0.5, 1.5]")}});
 
 /// Numbers that are read digit by digit, in words and as hex floats; a comma inside would end a cell.
 const std::string rays =
@@ -58,9 +46,7 @@ Left work_in(const std::string& locale, const Scratch& locales, const std::strin
           "report near-benign small.toml --size 32x24 --claims 'rtg7.fig6.schoolbook-near-*'" + forms + " -o page",
           "explain near-benign --pixel 16,12 -i sphere.schoolbook -f f32" + library,
           "explain --sphere=0.5,0,0,1.25 --ray=0.25,0,-1234.5,0,0,1 -i sphere.schoolbook -f f32" + library}) {
-        const Outcome o = run(command, folder.path(), here);
-        INFO(locale << ": lostbits " << command << "\n" << o.out << o.err);
-        REQUIRE(o.code == 0);
+        const Outcome o = must(command, folder.path(), here);
         left["printed by " + command] = o.out;
     }
     const std::regex time_of_run("time=\"[0-9]+\\.[0-9]+\"");
@@ -114,11 +100,9 @@ TEST_CASE("a library that is run in a process of its own may take its locale, to
     make_locale(locales);
     const Scratch folder;
     for (const std::string locale : {"C", "de_DE.UTF-8"}) {
-        const Outcome o = run("map near-benign --size 32x24 -i example.schoolbook -f f32 --pixels csv --isolate -o " +
-                                  locale + " --plugin " + comma_library,
-                              folder.path(), "export LC_ALL=" + locale + " LOCPATH='" + locales.path().string() + "';");
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("map near-benign --size 32x24 -i example.schoolbook -f f32 --pixels csv --isolate -o " + locale +
+                 " --plugin " + comma_library,
+             folder.path(), "export LC_ALL=" + locale + " LOCPATH='" + locales.path().string() + "';");
     }
     const std::string name = "near-benign/example.schoolbook.f32.csv";
     CHECK(contents(folder.path() / "C" / name).size() > 10'000);

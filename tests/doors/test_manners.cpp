@@ -25,10 +25,8 @@ const std::string library = std::string(LOSTBITS_LIBRARIES) + "/ill_mannered.so"
 /// A claim about its form that holds, or one that does not.
 std::string claims(const Scratch& folder, bool holds) {
     return folder.write("claims.toml",
-                        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = \"-\"\n"
-                        "verdict = \"holds\"\n[claim.given]\nscene = \"near-benign\"\nform = \"ill.right\"\n"
-                        "format = \"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = " +
-                            std::string(holds ? "[0.0, 0.01]" : "[0.5, 0.6]") + "\n");
+                        claims_of({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
+                                    metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
 }
 
 /// The processes that have this in their environment, first the one that was first.
@@ -93,44 +91,45 @@ const std::vector<Way> ways{{"map", "", false},
                             {"plugin check", "", false},
                             {"plugin check", "export CI=true;", true}};
 
-}  // namespace
-
-TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a name", "[doors]") {
-    for (const std::string manner :
-         {"load _exit", "load quick_exit", "load exit", "load crash in a thread", "call _exit", "call quick_exit",
-          "call exit", "call crash in a thread", "load throw in a thread", "call throw in a thread"}) {
+/// Each of these manners in every way.
+template <class See>
+void in_every_way(const std::vector<std::string>& manners, const See& see) {
+    for (const std::string& manner : manners) {
         for (const Way& way : ways) {
             const Ran ran = run_with(manner, way.words, way.before);
             INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
+            see(manner, way, ran);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a name", "[doors]") {
+    in_every_way(
+        {"load _exit", "load quick_exit", "load exit", "load crash in a thread", "call _exit", "call quick_exit",
+         "call exit", "call crash in a thread", "load throw in a thread", "call throw in a thread"},
+        [](const std::string&, const Way&, const Ran& ran) {
             CHECK(ran.outcome.code == 3);
             CHECK(has(ran.outcome.err, "ill_mannered.so"));
             CHECK_FALSE(ran.has_results);
             CHECK_FALSE(has(ran.outcome.out, "confirmed"));
-        }
-    }
+        });
 }
 
 TEST_CASE("manners: a library's environment does not decide where the data lie", "[doors]") {
-    for (const std::string manner : {"load setenv", "call setenv"}) {
-        for (const Way& way : ways) {
-            const Ran ran = run_with(manner, way.words, way.before);
-            INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
-            CHECK(ran.outcome.code == 0);
-            CHECK(ran.has_results);
-        }
-    }
+    in_every_way({"load setenv", "call setenv"}, [](const std::string&, const Way&, const Ran& ran) {
+        CHECK(ran.outcome.code == 0);
+        CHECK(ran.has_results);
+    });
 }
 
 TEST_CASE("manners: what happens after the results changes neither them nor the answer", "[doors]") {
-    for (const std::string manner : {"load crash at exit", "call crash at exit"}) {
-        for (const Way& way : ways) {
-            const Ran ran = run_with(manner, way.words, way.before);
-            INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
-            CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
-            CHECK(ran.has_results);
-            if (!way.isolated) CHECK(has(ran.outcome.err, "ill_mannered.so: crashed while the program ended"));
-        }
-    }
+    in_every_way({"load crash at exit", "call crash at exit"}, [](const std::string&, const Way& way, const Ran& ran) {
+        CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
+        CHECK(ran.has_results);
+        if (!way.isolated) CHECK(has(ran.outcome.err, "ill_mannered.so: crashed while the program ended"));
+    });
     for (const char* words : {"check", "check --in-process"}) {
         INFO("unload throw | " << words);
         CHECK(run_with("unload throw", words).outcome.code == (std::string(words) == "check" ? 0 : 3));
@@ -145,52 +144,40 @@ TEST_CASE("manners: what happens after the results changes neither them nor the 
 }
 
 TEST_CASE("manners: a copy of the program that comes back does not go on as the program", "[doors]") {
-    for (const std::string manner :
-         {"load fork", "call fork", "load fork and exit", "call fork and exit", "load fork and stay",
-          "call fork and stay", "load fork and setsid", "call fork and setsid"}) {
-        for (const Way& way : ways) {
-            const Ran ran = run_with(manner, way.words, way.before);
-            INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
-            CHECK(ran.outcome.code == 0);
-            CHECK(ran.has_results);
-            if (manner.ends_with("fork")) CHECK(has(ran.outcome.err, "ill_mannered.so"));
-        }
-    }
+    in_every_way({"load fork", "call fork", "load fork and exit", "call fork and exit", "load fork and stay",
+                  "call fork and stay", "load fork and setsid", "call fork and setsid"},
+                 [](const std::string& manner, const Way&, const Ran& ran) {
+                     CHECK(ran.outcome.code == 0);
+                     CHECK(ran.has_results);
+                     if (manner.ends_with("fork")) CHECK(has(ran.outcome.err, "ill_mannered.so"));
+                 });
 }
 
 TEST_CASE("manners: results lie where -o says, though a library goes elsewhere", "[doors]") {
-    for (const std::string manner : {"load chdir", "call chdir", "load umask", ""}) {
-        for (const Way& way : ways) {
-            const Ran ran = run_with(manner, way.words, way.before);
-            INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
-            CHECK(ran.outcome.code == 0);
-            CHECK(ran.has_results);
-            CHECK(ran.outcome.err.empty());
-        }
-    }
+    in_every_way({"load chdir", "call chdir", "load umask", ""}, [](const std::string&, const Way&, const Ran& ran) {
+        CHECK(ran.outcome.code == 0);
+        CHECK(ran.has_results);
+        CHECK(ran.outcome.err.empty());
+    });
 }
 
 TEST_CASE("manners: standard output that a library closes is an error, and no result is written into a file",
           "[doors]") {
-    for (const Way& way : ways) {
-        if (std::string(way.words) == "plugin check") continue;
-        const Ran ran = run_with("load close", way.words, way.before);
-        INFO(way.before << way.words << " | " << ran.outcome.err);
+    in_every_way({"load close"}, [](const std::string&, const Way& way, const Ran& ran) {
+        if (std::string(way.words) == "plugin check") return;
         CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
         if (!way.isolated) CHECK(has(ran.outcome.err, "standard output: cannot write"));
-    }
+    });
 }
 
 TEST_CASE("manners: a library of formulas stays in the program, which says so", "[doors]") {
     const Scratch folder;
     const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",
                       said = "only_march.so: holds formulas, which run in this program itself";
-    const Outcome by_default = run(command, folder.path(), "export CI=1;");
-    CHECK(by_default.code == 0);
+    const Outcome by_default = must(command, folder.path(), "export CI=1;");
     CHECK(has(by_default.err, said));
     for (const char* more : {"", " --in-process"}) {
-        const Outcome other = run(command + more, folder.path(), *more == '\0' ? "" : "export CI=1;");
-        CHECK(other.code == 0);
+        const Outcome other = must(command + more, folder.path(), *more == '\0' ? "" : "export CI=1;");
         CHECK(other.err.empty());
     }
     CHECK_FALSE(has(run(command + " -q", folder.path(), "export CI=1;").err, said));
@@ -233,7 +220,7 @@ TEST_CASE("manners: one who waits for answers and cannot be told is an error of 
     CHECK(full.code == 3);
     CHECK(has(full.err, "cannot write"));
     // Who has closed both ends has ended, and asks for nothing.
-    CHECK(run("plugin serve " + library + " </dev/null >/dev/full", folder.path()).code == 0);
+    must("plugin serve " + library + " </dev/null >/dev/full", folder.path());
 }
 
 }  // namespace test_manners

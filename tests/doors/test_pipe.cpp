@@ -23,20 +23,18 @@ std::string speaking(const std::string& header, const std::string& then) {
 TEST_CASE("pipe: Python and JavaScript have the answers of sphere.schoolbook in doubles", "[doors]") {
     const Scratch folder;
     for (const std::string scene : {"near-benign", "rtg-fig-7-3-4100-oblique"}) {
-        const Outcome o = run("map " + scene +
-                                  " --size 96x64 -i 'python.*' -i 'js.*' -i sphere.schoolbook -f f64 "
-                                  "--pixels csv -o out --pipe " +
-                                  pipes + "schoolbook.py --pipe 'node " + pipes + "schoolbook.mjs'",
-                              folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("map " + scene +
+                 " --size 96x64 -i 'python.*' -i 'js.*' -i sphere.schoolbook -f f64 "
+                 "--pixels csv -o out --pipe " +
+                 pipes + "schoolbook.py --pipe 'node " + pipes + "schoolbook.mjs'",
+             folder.path());
         const auto out = folder.path() / "out" / scene;
         const std::string ours = contents(out / "sphere.schoolbook.f64.csv");
         CHECK(ours.size() > 100'000);
         CHECK(ours == contents(out / "python.schoolbook.f64.csv"));
         CHECK(ours == contents(out / "js.schoolbook.f64.csv"));
     }
-    CHECK(run("plugin check --pipe " + pipes + "schoolbook.py", folder.path()).code == 0);
+    must("plugin check --pipe " + pipes + "schoolbook.py", folder.path());
 }
 
 TEST_CASE("pipe: a command that does not answer as it should is named, and nothing is written", "[doors]") {

@@ -52,13 +52,10 @@ def at(o, d, t):
 
 TEST_CASE("servers: a function in ten lines has the bits of sphere.schoolbook", "[doors]") {
     const Scratch folder;
-    const Outcome o =
-        run("map near-benign --size 48x32 -i 'mine.*' -i sphere.schoolbook -f f64 --pixels csv -o out" +
-                node(folder, "serve({ name: 'mine.js', roots: 'first' }, (o, d, s) => first(roots(o, d, s)));") +
-                python(folder, "serve(lambda o, d, s, end: first(roots(o, d, s)), 'mine.py', roots='first')"),
-            folder.path());
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    must("map near-benign --size 48x32 -i 'mine.*' -i sphere.schoolbook -f f64 --pixels csv -o out" +
+             node(folder, "serve({ name: 'mine.js', roots: 'first' }, (o, d, s) => first(roots(o, d, s)));") +
+             python(folder, "serve(lambda o, d, s, end: first(roots(o, d, s)), 'mine.py', roots='first')"),
+         folder.path());
     const auto out = folder.path() / "out/near-benign";
     const std::string ours = contents(out / "sphere.schoolbook.f64.csv");
     CHECK(ours.size() > 20'000);
@@ -89,9 +86,7 @@ TEST_CASE("servers: each way to take a ray and to answer does as it says", "[doo
         for (const bool by_node : {true, false}) {
             if (!is_long() && by_node != (turn % 2 == 0)) continue;  // in the short tests one or the other, in turns
             const std::string pipe = by_node ? node(folder, js) : python(folder, py);
-            const Outcome o = run("plugin check" + pipe, folder.path());
-            INFO(pipe << o.out << o.err);
-            CHECK(o.code == 0);
+            const Outcome o = must("plugin check" + pipe, folder.path());
             CHECK(has(o.out, "mine.form in binary64, a sphere: does as it says"));
         }
     }

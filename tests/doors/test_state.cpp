@@ -18,29 +18,13 @@ namespace {
 const std::string library = std::string(LOSTBITS_LIBRARIES) + "/changes_state.so";
 
 /// Spheres whose squares are subnormal numbers of doubles, and rays that hit half of them.
-const std::string tiny = R"(schema = "lostbits-scene/1"
-title = "A tiny sphere"
-source = "-"
-size = [24, 16]
-inputs = "shared"
-[[sphere]]
-centre = [0, 0, 0]
-radius = "0x1p-70"
-[camera]
-kind = "orthographic"
-eye = [0, 0, "0x1p-68"]
-look_at = [0, 0, 0]
-up = [0, 1, 0]
-width = "0x1.4p-69"
-)";
+const std::string tiny =
+    scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = \"0x1p-70\"\n", "inputs = \"shared\"\nsize = [24, 16]\n",
+               "kind = \"orthographic\"\neye = [0, 0, \"0x1p-68\"]\nwidth = \"0x1.4p-69\"\n");
 
 /// The same of a radius that is a subnormal number: no sphere at all where such numbers are zeros.
 std::string subnormal_sphere() {
-    std::string text = tiny;
-    for (const auto& [from, to] :
-         {std::pair{"0x1p-70", "0x1p-140"}, {"0x1p-68", "0x1p-138"}, {"0x1.4p-69", "0x1.4p-139"}})
-        text.replace(text.find(from), std::string(from).size(), to);
-    return text;
+    return replaced(replaced(replaced(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69", "0x1.4p-139");
 }
 
 /// Every float of a range of subnormal numbers.
@@ -78,9 +62,7 @@ std::vector<std::string> rows_left(const std::string& more, const std::string& b
          {"map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out" + more,
           "judge rays.csv --format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out" + more,
           "sweep subnormals.toml -i sphere.half_b,sphere.double_inside -f f32 -o out" + more}) {
-        const Outcome o = run("-q " + command, folder.path(), before);
-        INFO(before << " lostbits " << command << "\n" << o.err);
-        REQUIRE(o.code == 0);
+        must("-q " + command, folder.path(), before);
     }
     for (const std::string& file : folder.files()) {
         if (!file.ends_with("summary.csv") && !file.ends_with("floats.csv") && !file.ends_with("binades.csv")) continue;
@@ -104,20 +86,17 @@ std::string environment(const std::string& when, const std::string& what) {
 TEST_CASE("state: whatever a library does to the processor, and when, no other row changes", "[doors]") {
     const auto right = rows_left("", "");
     REQUIRE(right.size() == 8);
-    int row = 0;
+    const std::string ways[] = {" -j 1", " -j 4", " --isolate -j 1", " --isolate -j 4"};
+    std::size_t turn = 0;
     for (const std::string when : {"load", "list", "call", "thread"}) {
-        ++row;
         for (const std::string what : {"rounding", "flush", "denormals", "x87"}) {
-            ++row;
-            for (const std::string door : {"", " --isolate"}) {
-                ++row;
-                for (const std::string threads : {" -j 1", " -j 4"}) {
-                    // In the short tests one or the other, in turns in each direction of the table.
-                    if (!is_long() && (row % 2 == 0) != (threads == " -j 1")) continue;
-                    INFO(when << " " << what << door << threads);
-                    CHECK(rows_left(" --plugin " + library + door + threads, environment(when, what)) == right);
-                }
+            // In the short tests one way for each, every way once with each `when` and each `what`.
+            for (std::size_t w = 0; w < 4; ++w) {
+                if (!is_long() && w != (turn / 4 + turn) % 4) continue;
+                INFO(when << " " << what << ways[w]);
+                CHECK(rows_left(" --plugin " + library + ways[w], environment(when, what)) == right);
             }
+            ++turn;
         }
     }
     // Where the loader runs it before the program begins.
@@ -133,10 +112,8 @@ TEST_CASE("state: a library that flushes subnormal numbers is measured so, whoev
     const Scratch folder;
     static_cast<void>(folder.write("tiny.toml", tiny));
     const auto answers = [&](const std::string& when, const std::string& more) {
-        const auto o = run("-q map tiny.toml -i 'example.*' -f f32 -o out --plugin " + library + more, folder.path(),
-                           environment(when, "flush"));
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must("-q map tiny.toml -i 'example.*' -f f32 -o out --plugin " + library + more, folder.path(),
+             environment(when, "flush"));
         return contents(folder.path() / "out/tiny/example.schoolbook.f32.csv").empty()
                    ? read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_miss") +
                          read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_hit")
@@ -158,21 +135,16 @@ TEST_CASE("state: who changes it is told so, once", "[doors]") {
         return run(command, folder.path(), environment(when, "flush"));
     };
     const std::string map = "map near-benign --size 64x48 -i 'example.*' -f f32,f64 -j 4 -o out --plugin " + library;
-    const auto count = [](const std::string& text, const std::string& part) {
-        std::size_t found = 0;
-        for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-        return found;
-    };
     for (const std::string door : {"", " --isolate"}) {
         const auto loaded = told("load", map + door);
         INFO(door << loaded.err);
         CHECK(loaded.code == 0);
-        CHECK(count(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
+        CHECK(count_in(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
         const auto called = told("call", map + door);
         INFO(called.err);
         CHECK(called.code == 0);
-        CHECK(count(called.err, "changes in a call how the processor computes") >= 1);
-        CHECK(count(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
+        CHECK(count_in(called.err, "changes in a call how the processor computes") >= 1);
+        CHECK(count_in(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
         CHECK_FALSE(has(told("never", map + door).err, "how the processor computes"));
         CHECK_FALSE(has(told("load", "-q " + map + door).err, "how the processor computes"));
     }

@@ -8,6 +8,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 #include "measure/contract/suspect.hpp"
 #include "scene/file/scene.hpp"
 
@@ -18,7 +19,7 @@ using namespace lostbits;
 
 namespace {
 
-const std::string odd = std::string(" --plugin ") + LOSTBITS_LIBRARIES + "/odd_plugin.so";
+const std::string odd = plugin("odd_plugin");
 
 /// Rays of many lengths from everywhere at a sphere of radius 3, answered by `answer(true near, true far, ray)`.
 template <class Answer>
@@ -288,11 +289,8 @@ name = "touching"
 spheres = [{ centre = [0, 0, 0], radius = 3 }]
 rays = [{ origin = [3, 0, -8], direction = [0, 0, 1] }]
 )");
-    const Outcome o =
-        run("sweep " + cases + " -i odd.far_first -i odd.nothing_ahead -i sphere.unified -f f32 -o out" + odd,
-            folder.path());
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    must("sweep " + cases + " -i odd.far_first -i odd.nothing_ahead -i sphere.unified -f f32 -o out" + odd,
+         folder.path());
     std::map<std::string, std::string> verdict;
     for (auto& row : read_csv(folder.path() / "out/cases/cases.csv"))
         verdict[row["form"] + " " + row["case"]] = row["verdict"];
@@ -305,8 +303,7 @@ rays = [{ origin = [3, 0, -8], direction = [0, 0, 1] }]
 TEST_CASE("suspicion: what asks for operations says which rows it leaves out", "[doors]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 48x32 -f f32 -o out --metric culprit -i odd.right";
-    const Outcome both = run(map + " -i sphere.unified" + odd, folder.path());
-    CHECK(both.code == 0);
+    const Outcome both = must(map + " -i sphere.unified" + odd, folder.path());
     CHECK(has(both.err, "--metric culprit: leaves out odd.right"));
     const Outcome alone = run(map + odd, folder.path());
     CHECK(alone.code == 2);

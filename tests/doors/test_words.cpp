@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/conditioning.hpp"
 
@@ -32,26 +33,13 @@ double true_t(const Ray<double>& ray, const Solid<double>& solid, Convention ask
     return truth.is_hit() ? std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) : -1;
 }
 
-std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form) {
-    for (auto& row : read_csv(summary)) {
-        if (row["form"] == form) return row;
-    }
-    FAIL("no row " << form);
-    return {};
-}
-
 }  // namespace
 
 TEST_CASE("words: plugin check says which word is missing, and acquits what has the right ones", "[doors]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
-    const auto finding = [&o](const std::string& form) {
-        const auto at = o.out.find(form + " in binary32");
-        INFO(form << o.out);
-        REQUIRE(at != std::string::npos);
-        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
-    };
+    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
     for (const std::string form : {"clipped",     "clipped_ahead", "zero",    "misses",    "exit_at_origin", "near",
                                    "signed_near", "near_line",     "insists", "box_exit",  "box_clipped",    "box_near",
                                    "endless",     "segment",       "centre",  "at_origin", "thickness",      "points",
@@ -99,10 +87,7 @@ TEST_CASE("words: a crash in a process of its own names the probe, too", "[doors
 
 TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
     const Scratch folder;
-    const Outcome map =
-        run("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
-    INFO(map.err);
-    REQUIRE(map.code == 0);
+    must("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
     const auto summary = folder.path() / "out/camera-inside/summary.csv";
     for (const std::string form :
          {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
@@ -124,18 +109,14 @@ TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
 TEST_CASE("words: a sweep, explain and judge ask the same", "[doors]") {
     const Scratch folder;
     const std::string with = " --plugin " + worded;
-    const Outcome explained = run(
-        "explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with, folder.path());
-    INFO(explained.err);
-    CHECK(explained.code == 0);
+    must("explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with,
+         folder.path());
     const std::string rays =
         folder.write("rays.csv",
                      "ox,oy,oz,dx,dy,dz,cx,cy,cz,r,t,hit\n0,0,1,0,0,1,0,0,0,2,0,1\n0,0,-1,0,0,1,0,0,0,2,0,1\n"
                      "0,0,-5,0,0,1,0,0,0,2,3,1\n");
     const auto judged = [&](const std::string& words, const std::string& out) {
-        const Outcome o = run("judge " + rays + " -o " + out + words, folder.path());
-        INFO(o.err);
-        CHECK(o.code == 0);
+        must("judge " + rays + " -o " + out + words, folder.path());
         return read_csv(folder.path() / out / "rays/summary.csv").front();
     };
     CHECK(judged(" --inside zero", "zero")["lost_bits_max"] == "0");
@@ -219,37 +200,24 @@ TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {
 
 TEST_CASE("words: what contradicts itself is refused, and what a library of before says still means the same",
           "[doors]") {
-    const Scratch folder;
-    const auto header = [&](const std::string& words) {
-        return run("list intersectors --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\n" + words + "\\n\\n'; cat\"",
-                   folder.path());
-    };
-    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"roots=first\\nflags=line", "need both roots, or the near one"},
-             {"roots=near\\nflags=clipped", "clipped is about an interval"},
-             {"flags=clipped", "say at_origin = exit as well"},
-             {"inside=near", "the near root alone"},
-             {"roots=near\\ninside=exit", "tells the first root"},
-             {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
-             {"inside=out", "it is one of usual, exit, zero, near, miss"}}) {
-        const Outcome o = header(words);
-        INFO(words << ": " << o.err);
-        CHECK(o.code == 2);
-        CHECK(has(o.err, says));
-    }
+    check_refused_headers({{"roots=first\\nflags=line", "need both roots, or the near one"},
+                           {"roots=near\\nflags=clipped", "clipped is about an interval"},
+                           {"flags=clipped", "say at_origin = exit as well"},
+                           {"inside=near", "the near root alone"},
+                           {"roots=near\\ninside=exit", "tells the first root"},
+                           {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
+                           {"inside=out", "it is one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
-        CHECK(header(words).code == 0);
+        CHECK(listed_by_pipe(words).code == 0);
 }
 
 TEST_CASE("words: a form that is told the range of a ray is held to it, in this process, behind a pipe and of boxes") {
     const Scratch folder;
-    const std::string camera =
-        "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n";
     const auto scene = [&](const std::string& name, const std::string& open, const std::string& solid) {
         folder.write(name + ".toml",
-                     "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n" +
-                         camera + "[rays]\ntmin = 4.5\ntmax = 5.5\nopen_ends = \"" + open + "\"\n" + solid);
+                     scene_text("[rays]\ntmin = 4.5\ntmax = 5.5\nopen_ends = \"" + open + "\"\n" + solid,
+                                "inputs = \"shared\"\n"));
     };
     const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
     scene("closed", "none", sphere);
@@ -257,13 +225,11 @@ TEST_CASE("words: a form that is told the range of a ray is held to it, in this 
     scene("boxes", "none", "[[box]]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n");
     for (const std::string how : {"", " --isolate"}) {
         for (const std::string name : {"closed", "open", "boxes"}) {
-            const Outcome map = run("map " + name +
-                                        ".toml --size 48x32 -i 'word.*in_range' -i 'word.blocks' -i "
-                                        "'bad.forgets_the_start' -f f32 -o out --plugin " +
-                                        worded + how,
-                                    folder.path());
-            INFO(map.err);
-            REQUIRE(map.code == 0);
+            must("map " + name +
+                     ".toml --size 48x32 -i 'word.*in_range' -i 'word.blocks' -i "
+                     "'bad.forgets_the_start' -f f32 -o out --plugin " +
+                     worded + how,
+                 folder.path());
             const auto summary = folder.path() / "out" / name / "summary.csv";
             if (name == "boxes") {
                 auto row = row_of(summary, "word.box_in_range");

@@ -34,6 +34,10 @@ inline scene::file::Scene scene_named(const std::string& name, std::optional<std
     return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .size = size}).front());
 }
 
+inline scene::file::Scene load(const std::string& name, int width = 12, int height = 9) {
+    return scene_named(name, std::pair{width, height});
+}
+
 inline measure::evaluate::TestedForm row(std::string_view form, std::string_view format) {
     return {&form_named(form), find_format(format).value()};
 }

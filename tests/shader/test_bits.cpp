@@ -20,9 +20,7 @@ const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shade
 /// The drivers, with what each says of its dot product.
 std::vector<std::pair<std::string, std::string>> drivers() {
     std::vector<std::pair<std::string, std::string>> all;
-    const Outcome o = run("devices --json");
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    const Outcome o = must("devices --json");
     for (const auto& device : nlohmann::json::parse(o.out)) {
         INFO(device.dump());
         REQUIRE_FALSE(device.contains("missing"));
@@ -33,9 +31,7 @@ std::vector<std::pair<std::string, std::string>> drivers() {
 
 /// A map with one row per pixel; the tables by the name of their row.
 std::filesystem::path map_of(const Scratch& folder, const std::string& scene, const std::string& words) {
-    const Outcome o = run("map " + scene + " --size 96x72 --pixels csv -o out --device all " + words, folder.path());
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    must("map " + scene + " --size 96x72 --pixels csv -o out --device all " + words, folder.path());
     return folder.path() / "out" / scene;
 }
 
@@ -80,14 +76,11 @@ TEST_CASE("shader bits: with its sums written out, the analytic sphere has the b
 
 TEST_CASE("shader bits: with dot, what differs is the order of its sum", "[shader-device]") {
     const Scratch folder;
-    std::string text = contents(examples + "sphere_in_order.glsl");
-    for (const std::string v : {"f.x * f.x", "rd.x * f.x"}) REQUIRE(has(text, v));
-    const auto swap = [&text](const std::string& from, const std::string& to) {
-        text.replace(text.find(from), from.size(), to);
-    };
-    swap("(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
-    swap("rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)");
-    const std::string from_the_right = folder.write("from_the_right.glsl", text);
+    const std::string text = replaced(contents(examples + "sphere_in_order.glsl"),
+                                      "(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
+    const std::string from_the_right =
+        folder.write("from_the_right.glsl",
+                     replaced(text, "rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)"));
     const std::string scene = "rtg-fig-7-3-4100-oblique";
     const auto out = map_of(folder, scene,
                             "--shader " + examples + "sphere.glsl --shader " + from_the_right +
@@ -121,9 +114,7 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
     for (const auto& file : files) {
         // In the short tests each on one driver, in turns; one driver takes HLSL.
         const std::string device = is_long() || file.extension() == ".hlsl" ? "all" : all.at(turn++ % all.size()).first;
-        const Outcome o = run("plugin check --device " + device + " --shader " + file.string(), folder.path());
-        INFO(file << " on " << device << ": " << o.out << o.err);
-        CHECK(o.code == 0);
+        const Outcome o = must("plugin check --device " + device + " --shader " + file.string(), folder.path());
         CHECK(has(o.out, "does as it says"));
     }
     const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.signs -f f32");
@@ -196,9 +187,7 @@ TEST_CASE("shader bits: the claims of the sources' shaders hold on the drivers t
     std::string command = "check --profile libraries --device all --filter 'shader.*' -v";
     for (const auto& entry : std::filesystem::directory_iterator(examples))
         command += " --shader " + entry.path().string();
-    const Outcome o = run(command);
-    INFO(o.out << o.err);
-    CHECK(o.code == 0);
+    const Outcome o = must(command);
     CHECK(has(o.out, " 0 failed"));
     const bool named = has(run("devices --json").out, "Mesa 22.3.6");
     for (const std::string claim : {"sphere.opengl", "two_words.opengl", "kahan.fma", "march.order"})
@@ -210,11 +199,9 @@ TEST_CASE("shader bits: every file says which driver it was and how that rounds"
     const Scratch folder;
     const Outcome devices = run("devices --json");
     const auto first = nlohmann::json::parse(devices.out).at(0);
-    const Outcome o = run("map near-benign --size 16x12 --exr -i shader.sphere -f f32 --pictures all -o out --shader " +
-                              examples + "sphere.glsl",
-                          folder.path());
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    must("map near-benign --size 16x12 --exr -i shader.sphere -f f32 --pictures all -o out --shader " + examples +
+             "sphere.glsl",
+         folder.path());
     const auto out = folder.path() / "out" / "near-benign";
     const std::string words = first["renderer"].get<std::string>() + ", " + first["version"].get<std::string>() +
                               ", arithmetic " + first["digest"].get<std::string>();

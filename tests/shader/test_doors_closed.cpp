@@ -75,12 +75,10 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
     const Outcome devices = run("devices", folder.path(), no_gl + no_vulkan);
     CHECK(devices.code == 3);
     CHECK(has(devices.out, "opengl\n  not here: no driver with OpenGL 4.3 answers"));
-    const Outcome list = run("list devices", folder.path(), no_gl + no_vulkan);
-    CHECK(list.code == 0);
+    const Outcome list = must("list devices", folder.path(), no_gl + no_vulkan);
     CHECK(has(list.err, "no driver can run shaders here; `lostbits devices` says"));
     // All but shaders works.
-    CHECK(run("map near-benign --size 16x12 -i sphere.press -f f32 -o out", folder.path(), no_gl + no_vulkan).code ==
-          0);
+    must("map near-benign --size 16x12 -i sphere.press -f f32 -o out", folder.path(), no_gl + no_vulkan);
     // The other driver takes over, and says so.
     const Outcome other = map_by(folder, examples + "sphere.glsl", "", no_gl);
     INFO(other.err);
@@ -192,10 +190,8 @@ void main() {
 )");
     for (const std::string& file : {site, pixels}) {
         const Outcome o =
-            run("plugin check -q --device all --shader " + file + ":touching=" + (file == site ? "hit" : "miss"),
-                folder.path());
-        INFO(o.out << o.err);
-        CHECK(o.code == 0);
+            must("plugin check -q --device all --shader " + file + ":touching=" + (file == site ? "hit" : "miss"),
+                 folder.path());
         CHECK(has(o.out, ".vulkan in binary32"));
         CHECK(has(o.out, ".opengl in binary32"));
     }
@@ -226,23 +222,15 @@ TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, dif
           "[shader-device]") {
     const Scratch folder;
     const std::string door = " --shader " + examples + "sphere.glsl";
-    const Outcome o = run("explain near-benign --pixel 3,3 -i shader.sphere -f f32" + door, folder.path());
-    CHECK(o.code == 0);
+    const Outcome o = must("explain near-benign --pixel 3,3 -i shader.sphere -f f32" + door, folder.path());
     CHECK(has(o.out, "Its operations are not known"));
-    const Outcome sweep =
-        run("sweep extremes/contact -i shader.sphere -i sphere.unit_half_b -f f32 -o sweep" + door, folder.path());
-    INFO(sweep.err);
-    CHECK(sweep.code == 0);
-    const Outcome choose = run(
+    must("sweep extremes/contact -i shader.sphere -i sphere.unit_half_b -f f32 -o sweep" + door, folder.path());
+    const Outcome choose = must(
         "choose near-benign --bits 12 -i shader.sphere -i sphere.unit_half_b -f f32 -o choose" + door, folder.path());
-    INFO(choose.err);
-    CHECK(choose.code == 0);
     CHECK(has(contents(folder.path() / "choose" / "near-benign" / "choose.csv"), "shader.sphere,f32"));
     const std::string rays =
         folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,r\n0,0,-5,0,0,1,0,0,0,1\n3,0,-5,0,0,1,0,0,0,1\n");
-    const Outcome judged = run("judge " + rays + " -i shader.sphere -f f32 -o judge" + door, folder.path());
-    INFO(judged.err);
-    CHECK(judged.code == 0);
+    must("judge " + rays + " -i shader.sphere -f f32 -o judge" + door, folder.path());
     const auto summary = read_csv(folder.path() / "judge" / "rays" / "summary.csv");
     REQUIRE(summary.size() == 1);
     CHECK(summary[0].at("agree_hit") == "1");

@@ -11,9 +11,7 @@ namespace test_drivers {
 using namespace lostbits::test;
 
 TEST_CASE("drivers: each tells how it rounds, the same when it is asked again", "[shader-device]") {
-    const Outcome o = run("devices --json");
-    INFO(o.err);
-    REQUIRE(o.code == 0);
+    const Outcome o = must("devices --json");
     CHECK(o.out == run("devices --json").out);
     const auto devices = nlohmann::json::parse(o.out);
     REQUIRE(devices.size() == 2);
@@ -41,8 +39,7 @@ TEST_CASE("drivers: each tells how it rounds, the same when it is asked again", 
 }
 
 TEST_CASE("drivers: list devices is one line each", "[shader-device]") {
-    const Outcome o = run("list devices");
-    CHECK(o.code == 0);
+    const Outcome o = must("list devices");
     CHECK(has(o.out, "opengl"));
     CHECK(has(o.out, "vulkan"));
     CHECK(has(o.out, "arithmetic"));

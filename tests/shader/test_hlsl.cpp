@@ -50,9 +50,7 @@ bool hit(float3 orig, float3 dir, float3 boxMin, float3 boxMax, out float tmin, 
     return tmax >= max(tmin, 0.0);
 }
 )");
-    const Outcome boxes = run("plugin check --shader " + box + ":touching=miss", folder.path());
-    INFO(boxes.out << boxes.err);
-    CHECK(boxes.code == 0);
+    const Outcome boxes = must("plugin check --shader " + box + ":touching=miss", folder.path());
     CHECK(has(boxes.out, "shader.box in binary32"));
     CHECK(has(boxes.out, "Vulkan"));
     const std::string field = folder.write("field.hlsl",

@@ -64,10 +64,7 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
                      std::vector{"sphere.half_b", "sphere.unit_half_b", "sphere.kahan_discriminant"}),
           std::tuple("box", "box-slabs", std::vector{"box.baseline"}),
           std::tuple("triangle", "triangle-far", std::vector{"triangle.undivided"})}) {
-        scene::file::LoadOptions options;
-        options.size = {{40, 30}};
-        const auto scene =
-            scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + scene_name + ".toml", options).front();
+        const auto scene = testing::load(scene_name, 40, 30);
         const Scratch folder;
         std::vector<Case> cases;
         std::string words;
@@ -98,11 +95,9 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
             }
         }
         if (cases.empty()) continue;
-        const Outcome o = run(std::string("map ") + scene_name +
-                                  " --size 40x30 --pixels csv -o out --device all -i 'shader.*' -f f32" + words,
-                              folder.path());
-        INFO(o.err);
-        REQUIRE(o.code == 0);
+        must(std::string("map ") + scene_name + " --size 40x30 --pixels csv -o out --device all -i 'shader.*' -f f32" +
+                 words,
+             folder.path());
         int hits = 0, compared = 0;
         for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out" / scene_name)) {
             const std::string file = entry.path().filename().string();

@@ -18,10 +18,7 @@ namespace {
 const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
 
 std::string scene(const std::string& range, const std::string& solid) {
-    return "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n"
-           "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n"
-           "[rays]\n" +
-           range + "\n" + solid;
+    return scene_text("[rays]\n" + range + "\n" + solid, "inputs = \"shared\"\n");
 }
 
 const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
@@ -58,12 +55,8 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
     folder.write("open.toml", scene("tmin = 4.5\ntmax = 5.5\nopen_ends = \"both\"", sphere));
     folder.write("segment.toml", scene("tmax = 4.125", sphere));
     std::string text = contents(examples + "sphere_in_range.glsl");
-    std::string ends_alone = text;  // forgets where rays begin
-    for (const auto& [from, to] : {std::pair<std::string, std::string>("h < tmin", "h < 0.0"), {"t < tmin || ", ""}}) {
-        REQUIRE(has(ends_alone, from));
-        ends_alone.replace(ends_alone.find(from), from.size(), to);
-    }
-    folder.write("ends_alone.glsl", ends_alone);
+    // Forgets where rays begin.
+    folder.write("ends_alone.glsl", replaced(replaced(text, "h < tmin", "h < 0.0"), "t < tmin || ", ""));
     for (std::size_t at = 0; (at = text.find("vec3", at)) != std::string::npos;) text.replace(at, 4, "float3");
     const std::string both = " format=both";
     text.erase(text.find(both), both.size());
@@ -71,14 +64,10 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
     const std::string shaders = " --shader ends_alone.glsl --shader " + examples + "sphere_in_range.glsl -i 'shader.*'";
     for (const std::string name : {"closed", "open", "segment"}) {
         const std::string map = "map " + name + ".toml --size 48x32 -o out";
-        const Outcome glsl = run(map + " -f f32 -f f64 --device all" + shaders, folder.path());
-        INFO(name << ": " << glsl.err);
-        REQUIRE(glsl.code == 0);
+        must(map + " -f f32 -f f64 --device all" + shaders, folder.path());
         auto rows = read_csv(folder / ("out/" + name + "/summary.csv"));
         REQUIRE(rows.size() == 8);
-        const Outcome hlsl = run(map + "_hlsl -f f32 -i 'shader.*' --shader range.hlsl", folder.path());
-        INFO(hlsl.err);
-        REQUIRE(hlsl.code == 0);
+        must(map + "_hlsl -f f32 -i 'shader.*' --shader range.hlsl", folder.path());
         const auto of_hlsl = read_csv(folder / ("out_hlsl/" + name + "/summary.csv"));
         REQUIRE(of_hlsl.size() == 1);
         rows.push_back(of_hlsl.front());
@@ -91,9 +80,7 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
             CHECK(std::stoi(row["agree_miss"]) > 20);
         }
     }
-    const Outcome told = run("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
-    INFO(told.out << told.err);
-    CHECK(told.code == 0);
+    const Outcome told = must("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
     CHECK(has(told.out, "a range that begins behind the solid has none of it"));
     const Outcome forgets = run("plugin check --shader ends_alone.glsl", folder.path());
     INFO(forgets.out << forgets.err);
@@ -112,11 +99,8 @@ TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats
                                       "vec3 ro, vec3 rd, float tmin, float tmax) {\n"
                                       "    return ro.z == 5.0 && rd.z < 0.0 && " +
                                       solid.holds + " ? tmin + tmax / 512.0 : tmin;\n}\n");
-        const Outcome o =
-            run("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
-                folder.path());
-        INFO(row.name << ": " << o.err);
-        REQUIRE(o.code == 0);
+        must("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
+             folder.path());
         std::size_t pixels = 0;
         for (const std::string format : {"f32", "f64"})
             for (auto& pixel : read_csv(folder / ("out/one/shader.told." + format + ".csv"))) {

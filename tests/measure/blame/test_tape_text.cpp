@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "intersect/table/recording.hpp"
 #include "measure/blame/recorded_rays.hpp"
+#include "measure/rows.hpp"
 
 namespace lostbits::test::test_tape_text {
 
@@ -14,13 +15,8 @@ using measure::blame::TapeText;
 
 namespace {
 
-const Intersector& form_named(std::string_view name) {
-    return *std::ranges::find_if(intersect::table::intersectors(),
-                                 [&](const Intersector& i) { return i.info->name == name; });
-}
-
 struct Recording {
-    explicit Recording(std::string_view name) : form(form_named(name)) {
+    explicit Recording(std::string_view name) : form(testing::form_named(name)) {
         Random random(3);
         setting = draw_setting(random, form, *find_format("f32"), 1);
         form.record(*find_format("f32"), setting.ray, setting.target(form), HUGE_VAL, tape);

@@ -19,11 +19,7 @@ using testing::row;
 
 namespace {
 
-Scene scene_named(const char* name, std::optional<std::string> variant = {}) {
-    scene::file::LoadOptions options{.variant = std::move(variant)};
-    options.size = {{48, 48}};
-    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
-}
+Scene scene_named(const std::string& name) { return testing::load(name, 48, 48); }
 
 ChoiceRequest request_of(const Scene& scene, double bits) {
     ChoiceRequest request{.scene = &scene};
@@ -167,7 +163,7 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
 TEST_CASE("two spheres that differ in radius alone have rooms that end at one radius") {
     const TestedForm asked = row("sphere.pythagoras", "f64");
     const auto edge = [&asked](const std::string& variant) {
-        const Scene scene = scene_named("rtg-fig-7-4", variant);
+        const Scene scene = scene_named("rtg-fig-7-4." + variant);
         const auto rooms = rooms_of(request_of(scene, 16), asked, 4096);
         const auto radius = std::ranges::find(rooms, Growth::radius, &Room::way);
         REQUIRE(radius != rooms.end());

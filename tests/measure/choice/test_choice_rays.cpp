@@ -20,9 +20,7 @@ using scene::test::Columns;
 namespace {
 
 Scene scene_of_choice(const char* name, std::pair<int, int> size = {64, 48}) {
-    scene::file::LoadOptions options;
-    options.size = size;
-    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
+    return testing::scene_named(name, size);
 }
 
 Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::size_t to) {

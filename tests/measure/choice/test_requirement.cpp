@@ -15,11 +15,7 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-scene::file::Scene small_scene(const char* name) {
-    scene::file::LoadOptions options;
-    options.size = {{40, 30}};
-    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
-}
+scene::file::Scene small_scene(const char* name) { return testing::load(name, 40, 30); }
 
 std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
     std::vector<TestedForm> rows;

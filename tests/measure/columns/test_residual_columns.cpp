@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "intersect/simd/packed.hpp"
 #include "measure/columns/columns.hpp"
 #include "measure/metric/metrics.hpp"
+#include "measure/widths.hpp"
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
@@ -102,14 +102,12 @@ double compare(const Scene& s) {
 }  // namespace
 
 TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns]") {
-    const auto before = intersect::simd::current_isa();
-    for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-        if (isa == intersect::simd::Isa::scalar) continue;
-        intersect::simd::set_isa(isa);
+    testing::at_every_width([](intersect::simd::Isa isa) {
+        if (isa == intersect::simd::Isa::scalar) return;
         Random random(1122);
         for (const char* name : {"f32", "f64"}) {
             for (const Shape shape : {Shape::sphere, Shape::box}) {
-                INFO("--isa " << name_of(isa) << ", " << name << ", " << name_of(shape));
+                INFO(name << ", " << name_of(shape));
                 // What is left are points exactly on a sphere.
                 CHECK(compare(Scene(name, shape, Range::near, 40'000, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::near, 40'001, random)) < 0.05);
@@ -117,8 +115,7 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
                 for (int k = 0; k < 20; ++k) compare(Scene(name, shape, Range::extreme, 501, random));
             }
         }
-    }
-    intersect::simd::set_isa(before);
+    });
 }
 
 TEST_CASE("residuals in a format without registers, or of mixed solids, are left to the metric", "[measure][columns]") {

@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/rows.hpp"
 
 namespace lostbits::test::test_march {
 
@@ -13,12 +14,7 @@ using measure::evaluate::EvaluationRequest;
 
 namespace {
 
-const std::filesystem::path data = LOSTBITS_DATA_DIR;
-
-scene::file::Scene scene_of(const std::string& name, int size) {
-    const auto found = scene::file::find_scene(name, data);
-    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{size, size}}).front();
-}
+scene::file::Scene scene_of(const std::string& name, int size) { return testing::load(name, size, size); }
 
 std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& scene,
                                                    std::initializer_list<const char*> formats) {

@@ -16,13 +16,9 @@ using namespace lostbits::measure::evaluate;
 using measure::answer::Outcome;
 using measure::truth::exactly;
 using measure::truth::Truth;
+using testing::load;
 
 namespace {
-
-scene::file::Scene load(const char* name, int width, int height) {
-    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
-}
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
 struct Collected final : EvaluationSink {
@@ -115,23 +111,6 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
             CHECK(std::all_of(summary.hits.begin(), summary.hits.begin() + bits, [](auto n) { return n == 0; }));
             CHECK(summary.pixels() == 24 * 18);
             before = values;
-        }
-    }
-}
-
-TEST_CASE("a width exists exactly where double's own format suffices", "[needed]") {
-    const scene::file::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
-    for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
-        const auto in_double = map_of(scene, testing::form_named(which), {"f64"}).front();
-        for (const int bits : {12, 40, 50}) {
-            NeededSummary summary;
-            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
-            std::uint64_t beyond = 0;
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                CHECK((values[i] <= most_width) == in_double.suffices(i, bits));
-                beyond += values[i] == needed_beyond;
-            }
-            CHECK(summary.hits_beyond + summary.misses_beyond == beyond);
         }
     }
 }

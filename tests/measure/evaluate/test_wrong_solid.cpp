@@ -35,9 +35,7 @@ public:
 }  // namespace
 
 TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured there", "[outcome]") {
-    const auto found = scene::file::find_scene("rtg-fig-7-6-far", LOSTBITS_DATA_DIR);
-    const auto scene =
-        scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{96, 96}}).front();
+    const auto scene = testing::load("rtg-fig-7-6-far", 96, 96);
     const measure::evaluate::EvaluationRequest request{
         .scene = &scene,
         .rows = {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.schoolbook", "f64")},

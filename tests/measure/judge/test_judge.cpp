@@ -293,19 +293,4 @@ TEST_CASE("of equal errors and of wrong decisions the first are kept") {
     CHECK(places == std::vector<std::uint64_t>{0, 1, 3, 4, 6, 2, 5, 8, 11, 14});
 }
 
-TEST_CASE("rays that are not the pixels of the picture are refused") {
-    for (const std::size_t rays : {11U, 13U, 16U, 24U, 8U}) {
-        std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
-        for (std::size_t i = 0; i < rays; ++i) text += "0,0,-5,0,0,1,1,4\n";
-        const scene::test::DumpFile file("a.csv", text);
-        const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
-        const judge::FileForm form("a", Shape::sphere, intersect::Info{});
-        const JudgeRequest request{.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
-                                   .rows = {{&form.form(), dump->format()}},
-                                   .file_form = &form.form(),
-                                   .metrics = all_metrics,
-                                   .picture = std::pair{4, 3}};
-        CHECK_THROWS_WITH(judge::run_judge(*dump, request, {}), Catch::Contains("picture of 4x3 has 12"));
-    }
-}
 }  // namespace test_judge

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "intersect/simd/packed.hpp"
 #include "measure/metric/statistics.hpp"
+#include "measure/widths.hpp"
 #include "number/random.hpp"
 #include "output/shard/fields.hpp"
 
@@ -221,15 +221,11 @@ TEST_CASE("an exact total is that of rational numbers, whatever is added", "[mea
 }
 
 TEST_CASE("statistics have the same bits at every register width", "[measure][metric]") {
-    const auto before = intersect::simd::current_isa();
     Random random(7);
     for (const std::size_t n : {1U, 5U, 8U, 1003U, 5000U}) {
         const std::vector<double> all = numbers(n, -60, 60, random);
         std::vector<Distribution> got;
-        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-            intersect::simd::set_isa(isa);
-            got.push_back(of(all, 777));
-        }
+        testing::at_every_width([&](intersect::simd::Isa) { got.push_back(of(all, 777)); });
         for (const Distribution& d : got) {
             CHECK(d.count() == got.front().count());
             if (d.count() == 0) continue;
@@ -237,7 +233,6 @@ TEST_CASE("statistics have the same bits at every register width", "[measure][me
             for (const double q : {0.01, 0.5, 0.99, 1.0}) CHECK(d.quantile(q) == got.front().quantile(q));
         }
     }
-    intersect::simd::set_isa(before);
 }
 
 TEST_CASE("quantiles are those of the sorted list to 2^-11, zero and the largest exactly", "[measure][metric]") {

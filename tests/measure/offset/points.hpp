@@ -10,10 +10,6 @@
 
 namespace lostbits::testing {
 
-inline scene::file::Scene load(const std::string& name, int width = 12, int height = 9) {
-    return scene_named(name, std::pair{width, height});
-}
-
 /// Points of a scene as one form in one format finds them, and what to ask them.
 struct ScenePoints {
     scene::file::Scene scene;

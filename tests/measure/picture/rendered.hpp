@@ -7,6 +7,7 @@
 
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
+#include "measure/rows.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/toml/round.hpp"
@@ -16,11 +17,6 @@ namespace lostbits::testing {
 using scene::file::Stage;
 
 inline const std::vector<Stage> all_stages{Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong};
-
-inline scene::file::Scene load(const char* name, int width, int height) {
-    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
-}
 
 inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std::string>& formats,
                                                           std::string_view only = "") {

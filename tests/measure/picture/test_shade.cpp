@@ -7,6 +7,7 @@
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/picture/shade.hpp"
+#include "measure/rows.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
@@ -25,12 +26,6 @@ Vec<T> vec(double x, double y, double z) {
 const ShadeRule everything{.diffuse = true, .shadows = true, .phong = true, .half_diffuse = false};
 
 Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
-
-const intersect::table::Intersector& form(std::string_view name) {
-    for (const intersect::table::Intersector& i : intersect::table::intersectors())
-        if (i.info->name == name) return i;
-    throw std::logic_error("no such form");
-}
 
 bool contains(const Ball& b, const Real& x) { return abs(x - Real(b.hi()) - Real(b.lo())) <= Real(b.radius()); }
 bool contains(const Interval& b, const Real& x) {
@@ -164,8 +159,8 @@ TEST_CASE(
     // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
     // the first root is 0 and no obstacle.
     const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .solids = solids};
-    const auto unified = find_blockers(form("sphere.unified"), in_f64.format, rays, in_f64, true);
-    const auto expanded = find_blockers(form("sphere.expanded"), in_f64.format, rays, in_f64, true);
+    const auto unified = find_blockers(testing::form_named("sphere.unified"), in_f64.format, rays, in_f64, true);
+    const auto expanded = find_blockers(testing::form_named("sphere.expanded"), in_f64.format, rays, in_f64, true);
     CHECK(unified[6] == blocked_by_own);
     CHECK(expanded[6] == blocked_by_nothing);
     CHECK(unified[4] == blocked_by_nothing);

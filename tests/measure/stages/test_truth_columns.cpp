@@ -127,27 +127,6 @@ TEST_CASE("truth columns: the same as ray by ray, however tight") {
     }
 }
 
-TEST_CASE("truth columns: rays with ranges, the same as ray by ray") {
-    for (const Shape shape : {Shape::sphere, Shape::box}) {
-        for (const auto& [name, open] : open_ends_names) {
-            for (const FloatFormat& storage : {binary32, binary64}) {
-                Seeded rng(15);
-                std::vector<Problem> problems = problems_of(shape, storage, 60);
-                for (Problem& p : problems)
-                    p.range = range_about_solid(rng, p.ray, p.solid, storage), p.range.open = open;
-                TruthColumns found;
-                find_truth_columns(Columns<double>(problems).get(), {}, found);
-                CHECK(count_different(problems, found, Length::parameter, true) == 0);
-                CHECK(found.stages.double_double > problems.size() / 4);
-                if (storage == binary64) continue;
-                find_truth_columns(Columns<float>(problems).get(), {.tightness = Tightness::ulps_of_binary32}, found);
-                CHECK(count_different(problems, found, Length::parameter, false) == 0);
-                CHECK(found.stages.binary64 > problems.size() / 4);
-            }
-        }
-    }
-}
-
 TEST_CASE("truth columns: packs settle nearly all random rays") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         const double least = shape == Shape::sphere ? 0.999 : 0.99;

@@ -1,7 +1,6 @@
 // The rays that were chosen to break something, at spheres, boxes and triangles alike.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -25,7 +24,6 @@ struct HardFamily {
     std::string name;
     FloatFormat storage;
     std::function<HardRay(Seeded&)> draw;
-    bool at_rim;  ///< what is met is about where two roots or two faces meet
 };
 
 /// Those of spheres with exponents anywhere too, or without.
@@ -34,43 +32,33 @@ enum class Wide { no, yes };
 /// The families of a shape in these formats; the one first that is random. Triangles are of floats.
 inline std::vector<HardFamily> hard_families(Shape shape, std::initializer_list<FloatFormat> formats,
                                              Wide wide = Wide::no) {
-    const auto is_one_of = [](std::string_view name, std::initializer_list<std::string_view> names) {
-        return std::ranges::find(names, name) != names.end();
-    };
     std::vector<HardFamily> all;
     for (const FloatFormat& storage : formats) {
         const auto keep = [storage](double x) { return stored(x, storage); };  // some scale what they have rounded
         const auto add_spheres = [&](const auto& families) {
             for (const RayFamily& f : families)
-                all.push_back({f.name, storage,
-                               [&f, storage](Seeded& rng) {
+                all.push_back({f.name, storage, [&f, storage](Seeded& rng) {
                                    const RaySample s = f.make(rng, storage);
                                    return HardRay{s.ray, s.sphere};
-                               },
-                               f.promise == RayFamily::Promise::tangent_line});
+                               }});
         };
         if (shape == Shape::sphere) {
             add_spheres(near_families), add_spheres(power_families);
             if (wide == Wide::yes) add_spheres(wide_families);
         } else if (shape == Shape::box) {
             for (const BoxFamily& f : box_families)
-                all.push_back(
-                    {f.name, storage,
-                     [&f, storage, keep](Seeded& rng) {
-                         const BoxSample s = f.make(rng, storage);
-                         return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
-                                        transformed(Solid<double>(s.box), keep),
-                                        {.tmax = keep(s.tmax)}};
-                     },
-                     is_one_of(f.name, {"at edge", "across edge", "across corner", "beside edge", "at end"})});
+                all.push_back({f.name, storage, [&f, storage, keep](Seeded& rng) {
+                                   const BoxSample s = f.make(rng, storage);
+                                   return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
+                                                  transformed(Solid<double>(s.box), keep),
+                                                  {.tmax = keep(s.tmax)}};
+                               }});
         } else {
             for (const test::TriangleFamily& f : test::triangle_families)
-                all.push_back({f.name, storage,
-                               [&f](Seeded& rng) {
+                all.push_back({f.name, storage, [&f](Seeded& rng) {
                                    const test::TriangleSample s = test::in_floats(f.make(rng));
                                    return HardRay{s.ray, s.triangle};
-                               },
-                               is_one_of(f.name, {"through an edge", "through a vertex"})});
+                               }});
         }
     }
     return all;

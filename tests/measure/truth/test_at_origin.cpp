@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/rows.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "number/real.hpp"
 
@@ -17,7 +18,6 @@ using intersect::AtOrigin;
 using intersect::Touching;
 using measure::answer::Outcome;
 using measure::truth::find_truth;
-using measure::truth::Length;
 using measure::truth::Truth;
 
 namespace {
@@ -50,43 +50,6 @@ Vec<T> lifted(const Vec<double>& v) {
 bool is_asked(const intersect::Info& info, double h) { return info.roots != intersect::Roots::near_only || h <= 0; }
 
 }  // namespace
-
-TEST_CASE("an eye on a sphere: t = 0, or the other root, by the convention", "[measure][truth]") {
-    int in = 0, out = 0, along = 0;
-    for (const OnSphere& x : on_sphere) {
-        REQUIRE(dot(x.origin, x.origin) == x.radius * x.radius);
-        const Ray<double> ray{x.origin, x.direction};
-        const Solid<double> solid(sphere_of(x));
-        const double h = dot(x.origin, x.direction), a = dot(x.direction, x.direction);
-        const Truth closed = find_truth(ray, solid);
-        CHECK(closed.is_hit());
-        CHECK(closed.on_surface);
-        CHECK(closed.t.is_zero());
-        CHECK(closed.touches == (h == 0));
-        CHECK(find_truth(ray, solid, {}, Touching::miss).is_hit() == (h != 0));
-        for (const Touching touching : {Touching::hit, Touching::miss}) {
-            const Truth ahead = find_truth(ray, solid, {}, {touching, AtOrigin::miss});
-            CHECK(ahead.is_hit() == (h < 0));
-            if (!ahead.is_hit()) continue;
-            // h and a are exact, so the quotient of doubles is −2h/a correctly rounded.
-            CHECK(round_truth(ahead, ray, solid, binary64) == -2 * h / a);
-            const double distance = round_truth(ahead, ray, solid, binary64, Length::distance);
-            CHECK(distance == static_cast<double>(Real(Real(-2 * h) / sqrt(Real(a)))));
-        }
-        (h < 0 ? in : h > 0 ? out : along) += 1;
-    }
-    CHECK((in >= 5 && out >= 3 && along >= 3));
-    // An eye beside the surface does not ask: both words say the same.
-    const Ray<double> above{{std::nextafter(3.0, 4.0), 0, 0}, {-1, 0, 0}},
-        below{{std::nextafter(3.0, 2.0), 0, 0}, {1, 0, 0}};
-    for (const Ray<double>& ray : {above, below}) {
-        const Solid<double> solid(Sphere<double>{{0, 0, 0}, 3});
-        const Truth truth = find_truth(ray, solid), ahead = find_truth(ray, solid, {}, {Touching::hit, AtOrigin::miss});
-        CHECK_FALSE(truth.on_surface);
-        CHECK((ahead.is_hit() && truth.is_hit()));
-        CHECK(round_truth(ahead, ray, solid, binary64) == round_truth(truth, ray, solid, binary64));
-    }
-}
 
 TEST_CASE("of several spheres the one that the eye lies on is passed over alone", "[measure][truth]") {
     const Ray<double> ray{{3, 0, 0}, {1, 0, 0}};
@@ -179,11 +142,7 @@ TEST_CASE("every box form without rounding meets a box that the eye lies on at t
 }
 
 TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not by another's", "[measure][truth]") {
-    const intersect::table::Intersector* interval = nullptr;
-    for (const intersect::table::Intersector& row : intersect::table::intersectors()) {
-        if (row.info->name == "sphere.pbrt_interval") interval = &row;
-    }
-    REQUIRE(interval != nullptr);
+    const intersect::table::Intersector* const interval = &testing::form_named("sphere.pbrt_interval");
     for (const OnSphere& x : on_sphere) {
         scene::rays::RayGroup group;
         group.rays.push({x.origin, x.direction});

@@ -1,18 +1,13 @@
 // Forward error, backward error and condition, each computed in its own way: no t is further off than the condition of
 // its problem times the backward error of t.
-#include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <utility>
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/triangle/triangle_rays.hpp"
 #include "measure/seeded.hpp"
 #include "measure/stability/stability.hpp"
-#include "measure/truth/box_families.hpp"
 #include "measure/truth/conditioning.hpp"
-#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/sweep/families.hpp"
 
@@ -115,38 +110,7 @@ void try_ray(Both& both, const Ray<double>& ray, const Solid<double>& solid, boo
 
 const int rays_per_family = test::draws(2000);
 
-/// The hard rays of a shape.
-void check_families(Shape shape, std::initializer_list<FloatFormat> formats, int at_least) {
-    Both all;
-    for (const testing::HardFamily& family : testing::hard_families(shape, formats)) {
-        INFO(family.name);
-        Both both;
-        Seeded rng(0xf0a3);
-        for (int i = 0; i < rays_per_family; ++i) {
-            const auto [ray, solid, range] = family.draw(rng);
-            try_ray(both, ray, solid, family.at_rim, rng);
-        }
-        CHECK(both.finite.above == 0);
-        CHECK(both.first_order.above == 0);
-        for (auto [sum, part] : {std::pair(&all.finite, &both.finite), std::pair(&all.first_order, &both.first_order)})
-            sum->trials += part->trials, sum->above += part->above, sum->most = std::max(sum->most, part->most);
-    }
-    all.check(at_least);
-}
-
 }  // namespace
-
-TEST_CASE("forward error is at most condition times backward error - hostile rays at spheres", "[margin][forward]") {
-    check_families(Shape::sphere, {binary32, binary64}, 5 * rays_per_family);
-}
-
-TEST_CASE("forward error is at most condition times backward error - hostile rays at boxes", "[margin][forward]") {
-    check_families(Shape::box, {binary32, binary64}, 5 * rays_per_family);
-}
-
-TEST_CASE("forward error is at most condition times backward error - hostile rays at triangles", "[margin][forward]") {
-    check_families(Shape::triangle, {binary32}, 3 * rays_per_family / 2);
-}
 
 TEST_CASE("forward error is at most condition times backward error, of every shape", "[margin][forward]") {
     for (const auto& family : scene::sweep::families())

@@ -23,110 +23,54 @@ Matrix rows_of(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c,
     return {a.x, a.y, a.z, shift.x, b.x, b.y, b.z, shift.y, c.x, c.y, c.z, shift.z};
 }
 
-/// Families of matrices, each number a float.
-struct Family {
-    const char* name;
-    Matrix (*make)(Seeded&);
-    bool is_inverse = false;
-};
-
-Matrix random(Seeded& r) { return rows_of(r.vec(-2, 2), r.vec(-2, 2), r.vec(-2, 2), r.vec(-9, 9)); }
-Matrix far(Seeded& r) { return rows_of(r.vec(-2, 2), r.vec(-2, 2), r.vec(-2, 2), r.vec(-1e6, 1e6)); }
-/// The third row is the sum of the others but for 10⁻¹² of them.
-Matrix badly_conditioned(Seeded& r) {
-    const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2);
-    return rows_of(a, b, a + b + 1e-12 * r.vec(-1, 1), r.vec(-9, 9));
-}
-Matrix mirrored(Seeded& r) {
-    const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2), c = r.vec(-2, 2);
-    const bool mirrors =
-        a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x) < 0;
-    return mirrors ? rows_of(a, b, c, r.vec(-9, 9)) : rows_of(b, a, c, r.vec(-9, 9));
-}
-Matrix stretched(Seeded& r) {
-    const double x = r.signed_magnitude(-20, 20), y = r.signed_magnitude(-20, 20), z = r.signed_magnitude(-20, 20);
-    return rows_of({x, 0, 0}, {0, y, 0}, {0, 0, z}, r.vec(-2, 2));
-}
-/// Small whole numbers: touches, edges and corners are met exactly.
-Matrix whole(Seeded& r) {
-    const auto row = [&r] {
-        const double x = static_cast<double>(r.integer(-2, 2)), y = static_cast<double>(r.integer(-2, 2)),
-                     z = static_cast<double>(r.integer(-2, 2));
-        return Vec<double>(x, y, z);
-    };
-    const Vec<double> a = row(), b = row(), c = row(), shift = row();
-    return rows_of(a, b, c, shift);
-}
-
-constexpr Family families[] = {{"random", random},
-                               {"far", far},
-                               {"badly conditioned", badly_conditioned},
-                               {"mirrored", mirrored},
-                               {"stretched", stretched},
-                               {"whole", whole},
-                               {"inverse", random, true},
-                               {"whole inverse", whole, true}};
-
 /// A ray from outside, aimed near a point of the solid.
-Ray<double> aimed(Seeded& r, const Family& family, const Placement<double>& placed, const Vec<double>& at) {
-    const bool whole_numbers = family.make == whole;
-    const auto vec = [&](int most) {
-        const auto number = [&] {
-            return whole_numbers ? static_cast<double>(r.integer(-most, most)) : r.uniform(-most, most);
-        };
-        const double x = number(), y = number(), z = number();
-        return Vec<double>(x, y, z);
-    };
-    const Vec<double> from = vec(8), near = at + vec(3);
-    if (!placed.is_inverse) return {placed.map().point(near) + from, -from};
+Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>& at) {
+    const Vec<double> from = r.vec(-8, 8), near = at + r.vec(-3, 3);
     const Affine<double> m = placed.map();
-    const Vec<double> scaled = times(m.adjugate(), near - m.shift);
-    return {scaled / m.determinant() + from, -from};
-}
-
-/// A sphere, a box or a triangle, by turns.
-Solid<double> drawn(Seeded& r, std::size_t turn) {
-    const auto vec = [&r] { return r.vec(-3, 3); };
-    const Vec<double> a = vec(), b = vec(), c = vec();
-    if (turn == 0) return Sphere<double>{a, r.uniform(1, 3)};
-    if (turn == 1) return Box<double>{a, a + Vec<double>(std::fabs(b.x), std::fabs(b.y), std::fabs(b.z))};
-    return Triangle<double>{a, b, c};
+    if (!placed.is_inverse) return {m.point(near) + from, -from};
+    return {times(m.adjugate(), near - m.shift) / m.determinant() + from, -from};
 }
 
 }  // namespace
 
 TEST_CASE("packs settle rays at solids under matrices as they are settled alone, and most of them") {
-    for (const Family& family : families) {
-        CAPTURE(family.name);
+    const auto stored = [](double x) { return testing::stored(x, binary32); };
+    for (const bool is_inverse : {false, true}) {
+        CAPTURE(is_inverse);
         Seeded r(9);
-        std::vector<Solid<double>> solids;
-        while (solids.size() < 3) {
-            const auto stored = [](double x) { return testing::stored(x, binary32); };
-            Solid<double> solid = transformed(drawn(r, solids.size()), stored);
-            solid.placed = transformed(Placement<double>{family.make(r), family.is_inverse, 1}, stored);
-            if (solid.placed->is_proper() && !broken_limit(solid)) solids.push_back(solid);
+        const Vec<double> corner = r.vec(-3, 3), size = r.vec(1, 3);
+        std::vector<Solid<double>> solids{Sphere<double>{r.vec(-3, 3), r.uniform(1, 3)},
+                                          Box<double>{corner, corner + size},
+                                          Triangle<double>{r.vec(-3, 3), r.vec(-3, 3), r.vec(-3, 3)}};
+        for (Solid<double>& solid : solids) {
+            const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2), c = r.vec(-2, 2), shift = r.vec(-9, 9);
+            solid = transformed(solid, stored);
+            solid.placed = transformed(Placement<double>{rows_of(a, b, c, shift), is_inverse, 1}, stored);
+            REQUIRE((solid.placed->is_proper() && !broken_limit(solid)));
         }
         scene::rays::RayBlock rays;
         rays.width = 3000, rays.y1 = 1;
         while (rays.size() < 3000) {
             const Solid<double>& at = solids[rays.size() % 3];
-            const Ray<double> ray = aimed(r, family, *at.placed, at.point(0));
+            const Ray<double> ray = aimed(r, *at.placed, at.point(0));
             rays.push({testing::stored(ray.origin, binary32), testing::stored(ray.direction, binary32)});
         }
         const scene::rays::SolidList<double> list(solids);
         measure::truth::RayTruths found;
         const auto counts = measure::truth::find_truths({rays, list}, {}, found);
+        std::size_t hits = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const Truth packed = found[i], alone = find_truth(rays[i], solids);
             REQUIRE(packed.decision == alone.decision);
             REQUIRE(packed.object == alone.object);
             if (!alone.is_hit()) continue;
+            ++hits;
             REQUIRE(compare(packed.t, alone.t) == 0);
             REQUIRE(compare(packed.distance, alone.distance) == 0);
         }
         INFO(counts.double_double << " of " << counts.rays());
-        const bool hard = family.make == badly_conditioned || family.make == whole;
-        CHECK((hard || counts.double_double > counts.rays() / 10 * 9));
+        CHECK(hits > 300);
+        CHECK(counts.double_double > counts.rays() / 10 * 9);
     }
 }
 
