@@ -27,6 +27,17 @@ const std::vector<std::pair<std::string, std::string>> scenes{
     {"offset-shells.inside", "sphere.half_b"}, {"offset-touching", "sphere.expanded"},
     {"offset-thin-box", "box.baseline"},       {"world-offset", "sphere.pbrt_factored"}};
 
+/// `p + side·e·n`, each product and sum rounded once to float.
+Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
+    Vec<double> o(0, 0, 0);
+    const float signed_e = static_cast<float>(side == Side::outside ? e : -e);
+    for (int i = 0; i < 3; ++i) {
+        const float step = signed_e * static_cast<float>(at.n[i]);
+        o[i] = static_cast<float>(at.p[i]) + step;
+    }
+    return o;
+}
+
 }  // namespace
 
 TEST_CASE("the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
@@ -98,6 +109,39 @@ TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardl
     CHECK(below > 500);
     CHECK(safe_below * 100 < below);
     CHECK(unsafe_above * 100 < above);
+}
+
+TEST_CASE("rationals agree that the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
+    int checked = 0;
+    for (const auto& [scene, form] : scenes) {
+        const ScenePoints points(scene, form, "f32");
+        const auto strategies = all_strategies();
+        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
+        for (std::size_t k = 0; k < points.met.size(); k += 5) {
+            const MetPoint& met = points.met[k];
+            std::array<SideOfPoint, 2> sides;
+            std::vector<StrategyAtPoint> at(2 * strategies.size());
+            if (!work.measure(met, sides, at)) continue;
+            const auto start = work.start(met).value();
+            for (const Side side : both_sides) {
+                const double e = sides[static_cast<std::size_t>(side)].safe;
+                if (!std::isfinite(e) || e == 0) continue;
+                const auto is_safe = [&](double offset) {
+                    for (const NewRay& r : work.rays(met, *strategies.front(), side)) {
+                        const Ray<double> ray{moved_in_float(start, side, offset), r.ray.direction};
+                        const auto exact = testing::exact_meeting({ray, 0}, points.solids[met.own]);
+                        if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
+                    }
+                    return true;
+                };
+                CAPTURE(scene, k, name_of(side), e);
+                CHECK(is_safe(e));
+                CHECK_FALSE(is_safe(std::nextafter(static_cast<float>(e), 0.0F)));
+                ++checked;
+            }
+        }
+    }
+    CHECK(checked > 60);
 }
 
 TEST_CASE("faults of respawned rays are those that rationals find", "[measure][offset]") {
