@@ -308,20 +308,29 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Whether a line that touches a solid may come into it behind that: then it is asked what counts.
+/// Whether a line that touches a solid may meet it behind that: a torus through its other side, the far wall of a tube
+/// whose rim it passes. Then it is asked what counts.
 template <class Span>
 inline constexpr bool may_touch_before = false;
 template <class E>
 inline constexpr bool may_touch_before<QuarticSpan<E>> = true;
+template <class E>
+inline constexpr bool may_touch_before<WallSpan<E>> = true;
 
-/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks, where nothing
-/// can come behind a touch. `range` (null: all that lies ahead) holds some t.
+/// The closed solid where nothing can come behind a touch: what the convention says of touching is left to whoever
+/// asks.
+template <class Span>
+intersect::Convention asked_of_span(intersect::Convention convention) {
+    if (!may_touch_before<Span>) convention.touching = intersect::Touching::hit;
+    return convention;
+}
+
+/// Of a solid of any shape. `range` (null: all that lies ahead) holds some t.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, solid, [&]<class Span>(const Span& span) {
-        if (!may_touch_before<Span>) convention.touching = intersect::Touching::hit;
-        return enclose<E>(span, range, convention);
+        return enclose<E>(span, range, asked_of_span<Span>(convention));
     });
 }
 
