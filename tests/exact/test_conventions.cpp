@@ -167,6 +167,40 @@ TEST_CASE("exact: behind a rim that does not count the far wall of a tube is met
     CHECK(measure::truth::condition(ray, along_z, Touching::miss) == Approx(2));
 }
 
+TEST_CASE("exact: t in formats of few bits is the nearest number, and of two the even one", "[exact]") {
+    for (const Shaped& shape : shapes) {
+        std::size_t asked = 0, ties = 0;
+        Chance chance(11);
+        for (Problem p : whole_problems(shape, test::draws(std::size_t{6000}))) {
+            // From so far away that t has a few bits more than the formats.
+            const int back = chance.below(5000);
+            for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
+            const Given given(shape, p);
+            const Truth truth = given.truth();
+            if (!truth.is_hit()) continue;
+            const First<Whole> right = meet(shape.exactly, p);
+            for (const char* const name : {"bf16", "fp16"}) {
+                const FloatFormat format = find_format(name)->parameters;
+                const double t = round_truth(truth, given.ray, given.solid, format);
+                if (t == 0 || std::isinf(t)) continue;
+                const int exponent = std::max(std::ilogb(t), format.emin);
+                const double step = std::ldexp(1.0, exponent - format.precision + 1);
+                const bool is_power = t == std::ldexp(1.0, exponent) && exponent > format.emin;
+                INFO(name << " " << paste(shape, p, {.hit = true, .high = t}));
+                const int above = right.side(Whole(t - step / (is_power ? 4 : 2))),
+                          below = right.side(Whole(t + step / 2));
+                REQUIRE((above >= 0 && below <= 0));
+                const bool is_tie = above == 0 || below == 0;
+                REQUIRE((!is_tie || std::fmod(t / step, 2) == 0));
+                ++asked, ties += is_tie;
+            }
+        }
+        INFO(shape.name << ": asked " << asked << ", ties " << ties);
+        CHECK(asked > 100);
+        CHECK(ties > 0);
+    }
+}
+
 TEST_CASE("exact: packs decide as each ray alone, with every instruction set", "[exact]") {
     const auto before = intersect::simd::current_isa();
     for (const Shaped& shape : shapes) {
