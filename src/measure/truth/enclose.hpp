@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 
@@ -308,20 +309,11 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Whether a line that touches a solid may meet it behind that: a torus through its other side, the far wall of a tube
-/// whose rim it passes. Then it is asked what counts.
-template <class Span>
-inline constexpr bool may_touch_before = false;
-template <class E>
-inline constexpr bool may_touch_before<QuarticSpan<E>> = true;
-template <class E>
-inline constexpr bool may_touch_before<WallSpan<E>> = true;
-
-/// The closed solid where nothing can come behind a touch: what the convention says of touching is left to whoever
-/// asks.
-template <class Span>
+/// Only tori, and tubes whose rim is passed, are met behind a touch. Of others whoever asks knows whether it counts.
+template <class E, class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
-    if (!may_touch_before<Span>) convention.touching = intersect::Touching::hit;
+    if (!std::same_as<Span, QuarticSpan<E>> && !std::same_as<Span, WallSpan<E>>)
+        convention.touching = intersect::Touching::hit;
     return convention;
 }
 
@@ -330,7 +322,7 @@ template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, solid, [&]<class Span>(const Span& span) {
-        return enclose<E>(span, range, asked_of_span<Span>(convention));
+        return enclose<E>(span, range, asked_of_span<E, Span>(convention));
     });
 }
 
