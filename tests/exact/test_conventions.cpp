@@ -9,6 +9,7 @@
 #include "exact/ask.hpp"
 #include "exact/draw.hpp"
 #include "intersect/simd/packed.hpp"
+#include "measure/truth/conditioning.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace test_conventions {
@@ -89,18 +90,27 @@ struct Given {
 };
 
 struct Tally {
-    std::size_t touching = 0, from_it = 0, inside = 0;
+    std::size_t touching = 0, behind = 0, from_it = 0, inside = 0;
 };
 
+double number_of(const Truth& truth) { return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)); }
+
+/// Whether t is the first there, but for what the open solid is smaller by.
+bool is_about(const First<Whole>& first, double t) {
+    return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
+}
+
 /// What only touches the solid, of a ray that does not begin inside of a torus: it may touch the hole, which grows.
-void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed) {
+/// Behind the rim of a tube, or a tangent of a torus, it may be met nevertheless.
+void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed, Tally& tally) {
     const First<Whole> through = meets_open(shape, p);
-    const double t = std::ldexp(closed.t.hi, static_cast<int>(closed.t.exponent));
-    const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(t + 0x1p-16)) < 0;
-    // Behind the rim of a tube nothing is looked for, behind a tangent of a torus what is crossed.
-    const bool goes_through = shape.name == "torus" ? closed.is_hit() && through.is_hit() : at_once;
-    REQUIRE(given.truth(Touching::miss).is_hit() == goes_through);
+    const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(number_of(closed) + 0x1p-16)) < 0;
+    const Truth open = given.truth(Touching::miss);
+    REQUIRE(open.is_hit() == (closed.is_hit() && through.is_hit()));
     REQUIRE(closed.touches == (closed.is_hit() && !at_once));
+    if (!open.is_hit() || at_once) return;
+    REQUIRE(is_about(through, number_of(open)));
+    ++tally.behind;
 }
 
 void hold(const Shaped& shape, const Problem& p, Tally& tally) {
@@ -109,7 +119,7 @@ void hold(const Shaped& shape, const Problem& p, Tally& tally) {
     INFO(paste(shape, p, {.hit = closed.is_hit()}));
     REQUIRE(closed.is_hit() == meets(shape, p));
     const double depth = visit(given.solid, [&](const auto& s) { return s.off_surface(given.ray.origin); });
-    if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed);
+    if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed, tally);
     if (!closed.is_hit()) return;
     tally.touching += closed.touches, tally.from_it += closed.on_surface;
     if (zero_inside(given.solid.shape)) return;
@@ -133,11 +143,61 @@ TEST_CASE("exact: what touches a solid or begins on it or in it is told so, and 
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
         for (const Problem& p : whole_problems(shape, count)) hold(shape, p, tally);
         const Shape kind = *shape_named(shape.name);
-        INFO(shape.name << ": touched " << tally.touching << ", from it " << tally.from_it << ", from inside "
-                        << tally.inside);
+        INFO(shape.name << ": touched " << tally.touching << ", met behind that " << tally.behind << ", from it "
+                        << tally.from_it << ", from inside " << tally.inside);
         CHECK((tally.touching > 20) == (shape.name != "plane"));
+        CHECK((shape.name != "tube" || tally.behind > 5));
         CHECK((tally.from_it > 10) == !zero_inside(kind));
         CHECK((tally.inside > 20) == !(zero_inside(kind) || is_flat(kind) || shape.name == "tube"));
+    }
+}
+
+TEST_CASE("exact: behind a rim that does not count the far wall of a tube is met", "[exact]") {
+    const Ray<double> given{{3, 2, 3}, {-1, -1, -1}};
+    const Solid<double> tube(Tube<double>{{2, -1, 2}, {-2, -1, 2}, 2});
+    CHECK(number_of(find_truth(given, tube)) == 1);
+    CHECK(number_of(find_truth(given, tube, {}, Touching::miss)) == 3);
+    CHECK_FALSE(find_truth(given, tube, {}, Touching::miss, {0, 2}).is_hit());
+
+    // x = −3 + 2 t is −1 on the rim and 1 on the far wall: t = (3 ± r)/2, and κ = (3/2 + t + r/2)/t.
+    const Ray<double> ray{{-3, 0, 3}, {2, 0, -1}};
+    const Solid<double> along_z(Tube<double>{{0, 0, 0}, {0, 0, 2}, 1});
+    CHECK(number_of(find_truth(ray, along_z, {}, Touching::miss)) == 2);
+    CHECK(measure::truth::condition(ray, along_z) == Approx(3));
+    CHECK(measure::truth::condition(ray, along_z, Touching::miss) == Approx(2));
+}
+
+TEST_CASE("exact: t in formats of few bits is the nearest number, and of two the even one", "[exact]") {
+    for (const Shaped& shape : shapes) {
+        std::size_t asked = 0, ties = 0;
+        Chance chance(11);
+        for (Problem p : whole_problems(shape, test::draws(std::size_t{6000}))) {
+            // From so far away that t has a few bits more than the formats.
+            const int back = chance.below(5000);
+            for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
+            const Given given(shape, p);
+            const Truth truth = given.truth();
+            if (!truth.is_hit()) continue;
+            const First<Whole> right = meet(shape.exactly, p);
+            for (const char* const name : {"bf16", "fp16"}) {
+                const FloatFormat format = find_format(name)->parameters;
+                const double t = round_truth(truth, given.ray, given.solid, format);
+                if (t == 0 || std::isinf(t)) continue;
+                const int exponent = std::max(std::ilogb(t), format.emin);
+                const double step = std::ldexp(1.0, exponent - format.precision + 1);
+                const bool is_power = t == std::ldexp(1.0, exponent) && exponent > format.emin;
+                INFO(name << " " << paste(shape, p, {.hit = true, .high = t}));
+                const int above = right.side(Whole(t - step / (is_power ? 4 : 2))),
+                          below = right.side(Whole(t + step / 2));
+                REQUIRE((above >= 0 && below <= 0));
+                const bool is_tie = above == 0 || below == 0;
+                REQUIRE((!is_tie || std::fmod(t / step, 2) == 0));
+                ++asked, ties += is_tie;
+            }
+        }
+        INFO(shape.name << ": asked " << asked << ", ties " << ties);
+        CHECK(asked > 100);
+        CHECK(ties > 0);
     }
 }
 

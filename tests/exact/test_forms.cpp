@@ -57,10 +57,11 @@ bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     return true;
 }
 
-/// Clear ones of a kind.
+/// Clear ones of a kind, at least half of them hits.
 std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t count) {
     Chance chance(made ? 2 : 1);
     std::vector<Problem> some(200), clear;
+    std::size_t misses = 0;
     while (clear.size() < count) {
         (made ? draw_made : draw_random)(shape, true, {}, chance, some);
         for (Problem& p : some) {
@@ -71,7 +72,9 @@ std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t 
                 for (const double x : numbers)
                     if (x != 0) least = std::fmin(least, std::fabs(x)), most = std::fmax(most, std::fabs(x));
             // Some forms compare with 10^-6 or 10^-4, whatever the unit.
-            if (least > 0x1p-8 && most < 0x1p16 && is_clear(shape, p, chance)) clear.push_back(p);
+            if (least <= 0x1p-8 || most >= 0x1p16 || !is_clear(shape, p, chance)) continue;
+            if (!meet(shape.quickly, p).is_hit() && ++misses > count / 2) continue;
+            clear.push_back(p);
         }
     }
     clear.resize(count);
@@ -167,7 +170,9 @@ bool contains(const E& x, const Real& v) {
 
 struct Enclosures {
     bool by_other_steps;  ///< than without rounding: t of a miss is another
-    std::size_t asked = 0, decided = 0, bounded = 0, wrong = 0, contradictory = 0;
+    std::size_t wrong = 0, contradictory = 0, bounded = 0;
+    std::array<std::size_t, 2> asked{}, decided{};  ///< misses and hits
+    std::size_t doubles = 0;                        ///< that intervals of 53 bits were held against
 
     template <class E>
     void hold(const Hit<E>& got, const Hit<Real>& want, std::optional<bool>& verdict) {
@@ -178,6 +183,25 @@ struct Enclosures {
         if (got.hit.is_unknown()) return;
         contradictory += verdict && *verdict != got.hit.is_yes();
         verdict = got.hit.is_yes();
+    }
+    /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step:
+    /// but for forms that bound or pad by the unit roundoff, which is none for intervals, and filters, which take other
+    /// steps. That of boxes takes none of these.
+    void hold_double(const intersect::table::Intersector& row, const Problem& p, const Solid<double>& solid,
+                     const Hit<Interval>& got) {
+        const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
+        for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
+            if (form == pads) return;
+        if (!row.native64 || (row.way && row.shape != Shape::box)) return;
+        Hit<double> want{};
+        std::uint8_t hit;
+        const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
+        row.native64({column(0), column(1), column(2), column(3), column(4), column(5)}, solid,
+                     {{&want.t, 1}, {&want.near, 1}, {&want.far, 1}, {&hit, 1}});
+        const auto misses = [](const Interval& x, double v) { return !contains(x, Real(v)); };
+        ++doubles;
+        wrong += (got.hit.is_yes() && hit == 0) || (got.hit.is_no() && hit != 0) || misses(got.t, want.t) ||
+                 misses(got.near, want.near) || misses(got.far, want.far);
     }
     template <class Form>
     void ask(const intersect::table::Intersector& row, const Shaped& shape, Problem p) {
@@ -196,11 +220,55 @@ struct Enclosures {
             const Ray<Interval> ray = ray_of<Interval>(p);
             const Solid<Interval> solid = target(Interval());
             const Interval::Precision precision(bits);
-            hold(row.interval(ray, solid), want, verdict);
+            const Hit<Interval> got = row.interval(ray, solid);
+            hold(got, want, verdict);
+            if (bits == 53) hold_double(row, p, solid_of(shape, p), got);
         }
-        ++asked, decided += verdict.has_value();
+        ++asked[want.hit], decided[want.hit] += verdict.has_value();
     }
 };
+
+/// Of a hundred hits and misses of every form of a shape, how many at least some enclosure decides; and of a form by
+/// itself, where that is fewer: `exclusive` makes tmin = tmax of most rays that miss, frames divide by lengths that may
+/// be 0, and of solvers of degree four in closed form no enclosure up to 250 bits decides anything.
+struct Decided {
+    std::string_view name;
+    std::size_t hits, misses;
+};
+constexpr Decided decided_of[] = {{"box.exclusive", 96, 25},
+                                  {"cylinder.framed", 90, 74},
+                                  {"tube.framed", 96, 75},
+                                  {"tube.celeritas", 96, 75},
+                                  {"tube.pbrt_interval", 96, 75},
+                                  {"tube.mitsuba", 96, 75},
+                                  {"tube.detray", 96, 75},
+                                  {"tube.framed_moment", 96, 75},
+                                  {"cone.framed", 85, 78},
+                                  {"disc.framed", 80, 90},
+                                  {"torus.graphics_gems", 0, 0},
+                                  {"torus.quilez", 0, 0},
+                                  {"torus.pov_ray", 0, 0},
+                                  {"torus.brl_cad", 0, 0},
+                                  {"torus.double_inside", 0, 0},
+                                  {"torus.closest_approach", 0, 0},
+                                  {"sphere", 96, 96},
+                                  {"box", 96, 96},
+                                  {"triangle", 96, 96},
+                                  {"ellipsoid", 96, 96},
+                                  {"cylinder", 96, 96},
+                                  {"capsule", 96, 96},
+                                  {"tube", 96, 96},
+                                  {"cone", 96, 96},
+                                  {"disc", 96, 96},
+                                  {"plane", 96, 96},
+                                  {"torus", 96, 96}};
+
+const Decided& least_decided(std::string_view form, std::string_view shape) {
+    const Decided* row = std::ranges::find(decided_of, form, &Decided::name);
+    if (row == std::end(decided_of)) row = std::ranges::find(decided_of, shape, &Decided::name);
+    if (row == std::end(decided_of)) FAIL("not said of " << shape);
+    return *row;
+}
 
 }  // namespace
 
@@ -222,8 +290,9 @@ TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exac
                                      << " " << words_of(f.fault) << "\n"
                                      << paste(shape, tally.problems[f.first], tally.answers[f.first]));
                 CHECK(f.differ == 0);
-                CHECK(tally.asked > count / 2);
-                CHECK(tally.hits > tally.asked / 16);
+                // Of 2 count; half are hits, of one side of a triangle half of these.
+                CHECK(tally.asked > count * 3 / 4);
+                CHECK(10 * tally.hits > tally.asked * (Form::info.facing == Facing::both ? 4U : 2U));
                 CHECK(tally.hits < tally.asked);
             }
         });
@@ -232,7 +301,7 @@ TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exac
 
 TEST_CASE("exact: enclosures of every form contain what the form gives unrounded", "[exact][forms]") {
     for (const Shaped& shape : shapes) {
-        const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 200U : 1000U});
+        const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 500U : 1000U});
         std::vector<Problem> problems = clear_problems(shape, false, count);
         // A ray along a plane divides by 0, and solvers of degree four by what their bounds may hold to be 0.
         if (shape.name != "torus") std::ranges::copy(clear_problems(shape, true, count), std::back_inserter(problems));
@@ -244,10 +313,15 @@ TEST_CASE("exact: enclosures of every form contain what the form gives unrounded
                 if (row_of(intersect::shape_of<Form>).name != shape.name) return;
                 Enclosures e{.by_other_steps = Form::info.name == "torus.filtered"};
                 for (const Problem& p : problems) e.ask<Form>(form, shape, p);
-                INFO(Form::info.name << ": decided " << e.decided << " of " << e.asked << ", bounded " << e.bounded);
+                INFO(Form::info.name << ": decided " << e.decided[1] << " of " << e.asked[1] << " hits and "
+                                     << e.decided[0] << " of " << e.asked[0] << " misses, bounded " << e.bounded
+                                     << ", doubles " << e.doubles);
                 CHECK(e.wrong == 0);
                 CHECK(e.contradictory == 0);
-                CHECK((shape.name == "torus" || e.decided > e.asked * 3 / 4));
+                const Decided& least = least_decided(Form::info.name, shape.name);
+                CHECK(100 * e.decided[1] >= least.hits * e.asked[1]);
+                CHECK(100 * e.decided[0] >= least.misses * e.asked[0]);
+                CHECK((e.asked[0] > 0 && e.asked[1] > 0));
             }
         });
     }

@@ -2,6 +2,7 @@
 // format, on ordinary rays and on every kind of number that a format can hold.
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_scene.hpp"
+#include "intersect/takes.hpp"
 #include "number/error.hpp"
 #include "number/rounded.hpp"
 
@@ -34,6 +35,14 @@ auto native_of(const Intersector& row) {
     else return row.native64;
 }
 
+/// Of no ray, and of a miss, the filter of boxes leaves what the steps that it took have, and it goes on in double from
+/// float, in two words from a format that no register has.
+template <class S>
+bool is_ray(const Scene<S>& scene, std::size_t i) {
+    return std::ranges::all_of(scene.column, [i](const auto& all) { return std::isfinite(all[i]); }) &&
+           (scene.tmax.empty() || !std::isnan(scene.tmax[i]));
+}
+
 }  // namespace
 
 TEMPLATE_TEST_CASE("a row and its rounded numbers of the same format are the same bits", "[intersect][bits]", float,
@@ -41,26 +50,61 @@ TEMPLATE_TEST_CASE("a row and its rounded numbers of the same format are the sam
     using S = TestType;
     for (const ShapeRow& shape : shape_rows) {
         const std::vector<Scene<S>> all = draw_scenes<S>(shape.shape, share(shape.shape, 32));
+        Tally total;
         for (const Intersector& row : intersect::table::intersectors(shape.shape)) {
-            // What filters goes on in double from float, and in two words from a format that no register has.
-            if (!native_of<S>(row) || !row.rounded || row.way) continue;
+            if (!native_of<S>(row) || !row.rounded) continue;
             Tally tally;
             std::size_t wrong = 0;
             for (const Scene<S>& scene : all) {
                 const Answers<S> want = answers_of(native_of<S>(row), scene);
                 const Answers<double> got =
                     answers_of([&row](const auto&... batch) { row.rounded(format_of<S>, batch...); }, lifted(scene));
-                tally.note(want);
+                tally.note(want), total.note(want);
                 const auto differ = [](S a, double b) { return !same(static_cast<double>(a), b); };
-                for (std::size_t i = 0; i < want.size; ++i)
-                    wrong += want.hit[i] != got.hit[i] || differ(want.t[i], got.t[i]) ||
-                             differ(want.near[i], got.near[i]) || differ(want.far[i], got.far[i]);
+                const bool of_box = row.info->name == "box.filtered";
+                for (std::size_t i = 0; i < want.size; ++i) {
+                    if (of_box && !is_ray(scene, i)) continue;
+                    wrong += want.hit[i] != got.hit[i];
+                    if (of_box && want.hit[i] == 0) continue;
+                    wrong += differ(want.t[i], got.t[i]) || differ(want.near[i], got.near[i]) ||
+                             differ(want.far[i], got.far[i]);
+                }
             }
             INFO(row.info->name);
             CHECK(wrong == 0);
             tally.check(shape.shape);
         }
+        INFO(shape.name << ": infinite " << total.infinite << ", subnormal " << total.subnormal);
+        CHECK((shape.shape != Shape::sphere || (total.infinite > 1000 && total.subnormal > 500)));
     }
+}
+
+TEMPLATE_TEST_CASE("the forms of spheres over a fixed format are the bits of their rows", "[intersect][bits]", float,
+                   double) {
+    using S = TestType;
+    using T = std::conditional_t<std::same_as<S, float>, Rounded<24, -126, 127>, Rounded<53>>;
+    const std::vector<Scene<S>> all = draw_scenes<S>(Shape::sphere, 24);
+    auto row = intersect::table::intersectors(Shape::sphere).begin();
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
+        const Intersector& native = *row++;
+        if constexpr (Form::info.formats == intersect::Formats::all || std::same_as<S, float>) {
+            std::size_t wrong = 0;
+            for (const Scene<S>& scene : all) {
+                const Answers<S> want = answers_of(native_of<S>(native), scene);
+                for (std::size_t i = 0; i < want.size; ++i) {
+                    const auto at = [&](std::size_t c) { return T(static_cast<double>(scene.column[c][i])); };
+                    const auto number = [&](std::size_t k) { return T(static_cast<double>(scene.solid.numbers[k])); };
+                    const Hit<T> got = intersect::intersect_numbers<Form, T>(
+                        {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}}, number, T(HUGE_VAL));
+                    const auto differ = [](S a, const T& b) { return !same(static_cast<double>(a), b.value()); };
+                    wrong += want.hit[i] != got.hit || differ(want.t[i], got.t) || differ(want.near[i], got.near) ||
+                             differ(want.far[i], got.far);
+                }
+            }
+            INFO(Form::info.name);
+            CHECK(wrong == 0);
+        }
+    });
 }
 
 TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]") {

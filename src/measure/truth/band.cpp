@@ -165,18 +165,14 @@ void Band::find_truth_of_all() {
     for (const auto& [i, closed] : truths_.whole) {
         for (const Convention convention : other_conventions) {
             if (matters(convention, closed.touches, closed.on_surface))
-                apart_[key(i, convention)].truth = find_truth_of(i, convention);
+                apart_[key_of(i, convention)].truth = find_truth_of(i, convention);
         }
     }
 }
 
-std::size_t Band::key(std::size_t i, Convention convention) {
-    return 4 * i + (convention.touching == Touching::miss ? 2 : 0) + (convention.at_origin == AtOrigin::miss ? 1 : 0);
-}
-
 const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const {
     const Truth* const closed = truths_.find_whole(i);
-    return closed && matters(convention, closed->touches, closed->on_surface) ? &apart_.at(key(i, convention))
+    return closed && matters(convention, closed->touches, closed->on_surface) ? &apart_.at(key_of(i, convention))
                                                                               : nullptr;
 }
 
@@ -254,9 +250,10 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
             return find_among(among, i, in.rays[i], in.solids, limit_, convention, in.rays.range(i));
         };
         find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get(), paired_}, limit_, in.own_truth);
-        for (const auto& [i, closed] : in.own_truth.whole) {
-            if (closed.on_surface) in.own_past_origin[i] = own(i, {Touching::hit, AtOrigin::miss});
-        }
+        for (const auto& [i, closed] : in.own_truth.whole)
+            for (const Convention convention : other_conventions)
+                if (matters(convention, closed.touches, closed.on_surface))
+                    in.own_apart[key_of(i, convention)] = own(i, convention);
     }
     return in;
 }
@@ -265,8 +262,8 @@ Truth FormatInputs::own(std::size_t i, Convention convention) const {
     if (convention.is_special())
         return find_among({.paired = paired}, i, rays[i], solids, {.stop = stop}, convention, rays.range(i));
     const Truth closed = own_truth[i];
-    const bool past = convention.at_origin == AtOrigin::miss && closed.on_surface;
-    return past ? own_past_origin.at(i) : closed;
+    const bool apart = matters(convention, closed.touches, closed.on_surface);
+    return apart ? own_apart.at(key_of(i, convention)) : closed;
 }
 
 bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {

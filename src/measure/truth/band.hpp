@@ -83,7 +83,6 @@ public:
                                        intersect::Convention convention) const;
 
 private:
-    static std::size_t key(std::size_t i, intersect::Convention convention);
     void find_truth_of_all();
     /// Whether what ray i truly meets first is proved to be met from a side that counts.
     [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
@@ -121,7 +120,7 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, Apart> apart_;  ///< by `key`, where the convention makes a difference
+    std::unordered_map<std::size_t, Apart> apart_;  ///< by `key_of`, where the convention makes a difference
 };
 
 }  // namespace lostbits::measure::truth

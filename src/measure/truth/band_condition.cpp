@@ -9,6 +9,7 @@ namespace lostbits::measure::truth {
 
 using intersect::AtOrigin;
 using intersect::Convention;
+using intersect::Touching;
 
 void Band::find_condition() {
     condition_.resize(pixels());
@@ -19,8 +20,9 @@ void Band::find_condition() {
         }
     });
     for (auto& [key, apart] : apart_)
-        apart.condition = condition_of(key / 4, apart.truth.decision, apart.truth.object,
-                                       key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
+        apart.condition = condition_of(
+            key / 4, apart.truth.decision, apart.truth.object,
+            {key % 4 >= 2 ? Touching::miss : Touching::hit, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit});
 }
 
 double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {

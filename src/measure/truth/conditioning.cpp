@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -72,10 +73,12 @@ std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convent
     const Problem<E, N> problem(given);
     const auto range = range_over<Dual<E, N>, E>(of_ray);
     const auto span = span_of<Of>(problem.ray, problem.solid);
-    const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
+    using Span = std::remove_const_t<decltype(span)>;
+    const auto found =
+        enclose<Dual<E, N>>(span, range ? &*range : nullptr, asked_of_span<Dual<E, N>, Span>(convention));
     if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!found.hit.is_yes()) return std::nullopt;
-    const bool at_double_root = may_touch_before<std::remove_const_t<decltype(span)>> && found.touching;
+    const bool at_double_root = std::same_as<Span, QuarticSpan<Dual<E, N>>> && found.touching;
     if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
         return Sensitivity<E>{Kind::endless};
     Sensitivity<E> all{Kind::known, found.t.value(), problem.x};
@@ -173,7 +176,6 @@ template <class Asked, class S>
 typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
-    convention.touching = intersect::Touching::hit;
     const Given given(ray, solid);
     const OfShape of = of_shape(solid.shape);
     if (const auto quick = asked_of<Asked>((solid.placed ? of.placed : of.plain)(given, convention, range)))

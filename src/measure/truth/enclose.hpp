@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 
@@ -308,20 +309,20 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Whether a line that touches a solid may come into it behind that: then it is asked what counts.
-template <class Span>
-inline constexpr bool may_touch_before = false;
-template <class E>
-inline constexpr bool may_touch_before<QuarticSpan<E>> = true;
+/// Only tori, and tubes whose rim is passed, are met behind a touch. Of others whoever asks knows whether it counts.
+template <class E, class Span>
+intersect::Convention asked_of_span(intersect::Convention convention) {
+    if (!std::same_as<Span, QuarticSpan<E>> && !std::same_as<Span, WallSpan<E>>)
+        convention.touching = intersect::Touching::hit;
+    return convention;
+}
 
-/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks, where nothing
-/// can come behind a touch. `range` (null: all that lies ahead) holds some t.
+/// Of a solid of any shape. `range` (null: all that lies ahead) holds some t.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, solid, [&]<class Span>(const Span& span) {
-        if (!may_touch_before<Span>) convention.touching = intersect::Touching::hit;
-        return enclose<E>(span, range, convention);
+        return enclose<E>(span, range, asked_of_span<E, Span>(convention));
     });
 }
 

@@ -27,8 +27,8 @@ struct FormatInputs {
     scene::rays::RayBlock unit_rays = {};
     /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
     RayTruths own_truth = {};
-    /// The same where an origin on a sphere does not count, for the rays on which that matters.
-    std::unordered_map<std::size_t, Truth> own_past_origin = {};
+    /// The same by other conventions, by `key_of`, for the rays on which they matter.
+    std::unordered_map<std::size_t, Truth> own_apart = {};
     /// By `Perturbed`, of the closed solid's truth and in units of t, see `truth::reach`; empty unless asked for.
     std::array<std::vector<double>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
@@ -61,6 +61,12 @@ struct FormatInputs {
         return !is_solid(form.shape) ? AimedAt(solids.listed(), march.value()) : AimedAt(solids[solid]);
     }
 };
+
+/// One number for a ray and what is said of touching and of its origin.
+[[nodiscard]] inline std::size_t key_of(std::size_t i, intersect::Convention convention) {
+    return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
+           (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);
+}
 
 struct BandNeeds {
     bool unit_rays = false;

@@ -145,6 +145,10 @@ std::array<S, 6> draw_ray(Random& random, const Solid<S>& solid, std::size_t k) 
         ray[axis + 3] = target - ray[axis];
         if (random.one_in(6)) ray[axis + 3] = static_cast<S>(random.sign() * (random.one_in(4) ? 1e-30 : 0.0));
     }
+    // What a form takes for a direction of length one is one, half the time; ends are told at the length drawn.
+    const double size = std::hypot(double(ray[3]), double(ray[4]), double(ray[5]));
+    if (!told_end(solid.shape) && size > 0 && random.one_in(2))
+        for (std::size_t axis = 3; axis < 6; ++axis) ray[axis] = static_cast<S>(static_cast<double>(ray[axis]) / size);
     if (k % 3 == 2) ray[k / 3 % 6] = draw_any<S>(random);
     return ray;
 }
@@ -177,17 +181,61 @@ inline std::size_t share(Shape shape, std::size_t all) {
     return shape == Shape::sphere || shape == Shape::box ? all : shape == Shape::torus ? all / 16 : all / 4;
 }
 
+/// Lengths by one power of two and directions by another, so that t is by their quotient.
+template <class S>
+void move(Scene<S>& scene, int lengths, int directions) {
+    const auto all_by = [](std::span<S> all, int power) {
+        for (S& x : all) x = std::ldexp(x, power);
+    };
+    for_each_key(scene.solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind != Key::Kind::direction) all_by(scene.solid.used().subspan(k, key.count()), lengths);
+    });
+    for (std::size_t c = 0; c < 6; ++c) all_by(scene.column[c], c < 3 ? lengths : directions);
+    all_by(scene.tmax, lengths - directions);
+}
+
+/// One scene in eight is moved to where t is subnormal, one to where it overflows; then there are wild ones.
 template <class S>
 std::vector<Scene<S>> draw_scenes(Shape shape, std::size_t count) {
     std::vector<Scene<S>> all;
     Random random(512);
-    for (std::size_t i = 0; i < count; ++i) all.push_back(draw_scene<S>(random, shape, 192));
+    const int middle = format_of<S>.emax / 2;
+    for (std::size_t i = 0; i < count; ++i) {
+        all.push_back(draw_scene<S>(random, shape, 192));
+        const auto wobble = static_cast<int>(random.between(-4, 4));
+        if (i % 8 == 3) move(all.back(), wobble - middle - 3, middle - 2);
+        if (i % 8 == 7) move(all.back(), wobble + middle, 3 - middle);
+    }
     for (std::size_t i = 0; i < count; ++i) all.push_back(draw_scene<S>(random, shape, 48, true));
     return all;
 }
 
+/// Of a thousand answers of any form of a shape, how many at least are hits at a finite t, misses, and no numbers; and
+/// hits of one ray against many solids. A tenth less than was measured of the form that has the fewest: few hits of
+/// forms that take directions of length one, no NaN of those whose min and max let none through.
+struct Shares {
+    Shape shape;
+    std::size_t hits, misses, not_a_number, hits_of_many;
+};
+inline constexpr std::array<Shares, shape_rows.size()> least{{{Shape::sphere, 138, 180, 200, 350},
+                                                              {Shape::box, 300, 495, 0, 475},
+                                                              {Shape::triangle, 56, 695, 0, 100},
+                                                              {Shape::ellipsoid, 238, 215, 218, 490},
+                                                              {Shape::cylinder, 216, 224, 156, 360},
+                                                              {Shape::capsule, 200, 530, 293, 395},
+                                                              {Shape::tube, 154, 565, 145, 265},
+                                                              {Shape::cone, 224, 500, 125, 370},
+                                                              {Shape::disc, 187, 650, 0, 125},
+                                                              {Shape::plane, 360, 270, 0, 555},
+                                                              {Shape::torus, 150, 580, 0, 45}}};
+inline const Shares& least_of(Shape shape) {
+    const auto* const row = std::ranges::find(least, shape, &Shares::shape);
+    if (row == least.end()) FAIL("no shares of " << row_of(shape).name);
+    return *row;
+}
+
 struct Tally {
-    std::size_t rays = 0, finite_hits = 0, misses = 0, not_a_number = 0;
+    std::size_t rays = 0, finite_hits = 0, misses = 0, not_a_number = 0, infinite = 0, subnormal = 0;
 
     template <class S>
     void note(const Answers<S>& a) {
@@ -196,14 +244,16 @@ struct Tally {
             finite_hits += a.hit[i] == 1 && std::isfinite(a.t[i]);
             misses += a.hit[i] == 0;
             not_a_number += std::isnan(a.t[i]);
+            infinite += std::isinf(a.t[i]);
+            subnormal += std::fpclassify(a.t[i]) == FP_SUBNORMAL;
         }
     }
     /// That the rays were what they are meant to be.
     void check(Shape shape) const {
-        CHECK(finite_hits > rays / 80);  // few of forms that take directions of length one
-        CHECK(misses > rays / 20);
-        // Of a box, min and max let no NaN through to t, but for the forms that are at fault there.
-        if (shape == Shape::sphere) CHECK(not_a_number > rays / 100);
+        const Shares& shares = least_of(shape);
+        CHECK(1000 * finite_hits >= shares.hits * rays);
+        CHECK(1000 * misses >= shares.misses * rays);
+        CHECK(1000 * not_a_number >= shares.not_a_number * rays);
     }
 };
 

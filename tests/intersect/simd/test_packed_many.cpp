@@ -114,7 +114,7 @@ void compare(Shape shape) {
         }
         INFO(native[form].info->name << ": " << hits << " hits of " << rays);
         CHECK(wrong == std::vector<std::size_t>(intersect::simd::isa_names.size(), 0));
-        CHECK(hits > rays / 40);
+        CHECK(1000 * hits >= least_of(shape).hits_of_many * rays);
         CHECK(hits < rays - rays / 20);
     }
 }

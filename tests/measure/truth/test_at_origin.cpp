@@ -181,4 +181,17 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
     }
 }
 
+TEST_CASE("what rounded inputs touch counts as what the ideal ones touch does", "[measure][truth]") {
+    scene::rays::RayGroup group;
+    group.rays.push({{-5, 1 - 0x1p-20, 0}, {1, 0, 0}});  // a tangent in bf16
+    group.rays.width = 1;
+    group.rays.y1 = 1;
+    group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})};
+    const measure::truth::Band band(group);
+    const measure::truth::FormatInputs inputs = band.inputs(*find_format("bf16"), {.own_truth = true});
+    CHECK(band.truth(0, Touching::miss).is_hit());
+    CHECK(inputs.own(0, Touching::hit).is_hit());
+    CHECK_FALSE(inputs.own(0, Touching::miss).is_hit());
+}
+
 }  // namespace test_at_origin
