@@ -90,7 +90,7 @@ ExhaustiveState ExhaustiveRun::try_all(bool keep) {
 }
 
 void ExhaustiveRun::forget_state() const {
-    const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, true) : nullptr;
+    const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, {.keep = true}) : nullptr;
     output::file::forget_result(unfinished_.path());
     std::error_code ignored;
     if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
@@ -103,7 +103,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
         fmt::print(stderr,
                    "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
                    unfinished_.path().string());
-    const auto owner = chosen_.own(sweep_.id, path_, resumed_);
+    const auto owner = chosen_.own(sweep_.id, path_, {.keep = resumed_, .resumes = !common.joined});
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (owner) files.emplace(request_, folder_);
     const auto found = chosen_.division().result_of(

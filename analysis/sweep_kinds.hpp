@@ -57,9 +57,9 @@ struct ChosenOfSweep {
     /// The folder of a sweep in `out`, the run's own; a shard has one already.
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::string& id,
                                                                   const std::filesystem::path& sweep,
-                                                                  bool keep = false) const {
+                                                                  output::file::ResultFolder::Rules rules = {}) const {
         if (divided.division.is_shard()) return nullptr;
-        return own_folder(folder_of(id), common, selection::name_of_sweep(sweep, data()), {.keep = keep});
+        return own_folder(folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
     }
     /// What a sweep of so many units comes to, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>

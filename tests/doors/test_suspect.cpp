@@ -210,6 +210,13 @@ TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by m
     CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
     CHECK_FALSE(has(asked(false), "exchanged"));
     CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should: 300 miss what they should hit"));
+    const measure::contract::Judged one{.ray = {{0, 0, -5}, {0, 0, 1}},
+                                        .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 1}),
+                                        .truly_hits = true,
+                                        .true_t = 4,
+                                        .other_measure = 4};
+    CHECK(has(measure::contract::suspicion({one}),
+              "wrong on the one ray that hit or should: 1 misses what it should hit"));
 }
 
 TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early", "[doors]") {

@@ -262,13 +262,14 @@ std::string ways_of(const std::vector<Judged>& wrong) {
         no_number += j.hit && j.truly_hits && !std::isfinite(j.t);
     }
     std::string words;
-    const auto add = [&words](std::size_t n, const char* what) {
-        if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, what);
+    const auto add = [&words](std::size_t n, const char* one, const char* more) {
+        if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
     };
-    add(hit, "hit what they should miss");
-    add(missed, "miss what they should hit");
-    add(no_number, "have a t that is not a finite number");
-    add(wrong.size() - hit - missed - no_number, "have a t that is off by more than 0.4%");
+    add(hit, "hits what it should miss", "hit what they should miss");
+    add(missed, "misses what it should hit", "miss what they should hit");
+    add(no_number, "has a t that is not a finite number", "have a t that is not a finite number");
+    add(wrong.size() - hit - missed - no_number, "has a t that is off by more than 0.4%",
+        "have a t that is off by more than 0.4%");
     return words;
 }
 
@@ -291,6 +292,7 @@ struct Asked {
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
     [[nodiscard]] std::string count(const char* which) const {
+        if (all.size() == 1) return fmt::format("wrong on the one ray that {}: ", which);
         return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
     }
     [[nodiscard]] bool is_explained_by(const Reason& reason) const {

@@ -226,9 +226,10 @@ void ResultFolder::begin() {
     // Where a folder cannot be locked (NFS), this tells of the other run, late.
     if (::flock(marker_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) throw another_run(folder_);
     const std::string text = fmt::format(
-        "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that again: it replaces them and removes "
+        "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that again{}: it replaces them and removes "
         "this file.\n",
-        marker_words, valid_utf8(made_by_.command));
+        marker_words, valid_utf8(made_by_.command),
+        rules_.resumes ? " with --resume, which goes on from what it kept (without, it begins anew)" : "");
     // Written before it is cut: nobody reads an empty one of a run that has results.
     if (::pwrite(marker_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
         ::ftruncate(marker_, static_cast<off_t>(text.size())) != 0)

@@ -25,7 +25,8 @@ struct ResultFolderRules {
     /// Others keep files there on purpose, so results that no list names are no offence; and what another command of
     /// this program made there stays, and stays on the list.
     bool shared = false;
-    bool keep = false;  ///< what the earlier run listed stays: this run goes on with it
+    bool keep = false;     ///< what the earlier run listed stays: this run goes on with it
+    bool resumes = false;  ///< a run that is stopped leaves how far it came, and `--resume` goes on from there
 };
 
 /// A folder that is a run's own while this lives.
