@@ -8,7 +8,6 @@
 
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::selection {

@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import functools
 import math
+import os
 import sys
 import threading
-from pathlib import Path
 from typing import Any, Callable, Iterator
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 ALWAYS = -1  # of `valid`: no decision makes it nan
-PACKAGE = str(Path(__file__).resolve().parent)
-NUMPY = str(Path(np.__file__).resolve().parent)
+# Of files as code objects name them, links and all; a file of the user may lie beside them with a longer name.
+PACKAGE = os.path.join(os.path.dirname(__file__), "")
+NUMPY = os.path.join(os.path.dirname(np.__file__), "")
 
 
 class Unfollowed(TypeError):

@@ -1,6 +1,5 @@
 // `lostbits diff` from the outside: what counts, what is printed, how it exits.
 #include <cstdlib>
-#include <limits>
 
 #include "catch.hpp"
 #include "output/image/exr_book.hpp"

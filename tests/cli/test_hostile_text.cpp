@@ -4,7 +4,6 @@
 
 #include "catch.hpp"
 #include "program.hpp"
-#include "started.hpp"
 
 namespace test_hostile_text {
 

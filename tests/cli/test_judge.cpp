@@ -1,5 +1,4 @@
 // `lostbits judge`: files of rays from the outside, as a user has them.
-#include <array>
 
 #include <cstdio>
 #include <cstdlib>

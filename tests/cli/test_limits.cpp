@@ -5,7 +5,6 @@
 
 #include "catch.hpp"
 #include "program.hpp"
-#include "started.hpp"
 
 namespace test_limits {
 

@@ -1,6 +1,5 @@
 // Rays that each format makes, from the command line: which ways there are, what is measured of them, and what is said
 // of mistakes.
-#include <filesystem>
 #include <set>
 #include <string>
 #include <string_view>

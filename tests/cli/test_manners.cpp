@@ -1,5 +1,4 @@
 // The manners of the command line: one value an option, sentences for what is not understood, names from any folder.
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
 

@@ -1,5 +1,4 @@
 // `lostbits sweep` from the outside: along axes, over named cases and, with --worst, over searches.
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "catch.hpp"

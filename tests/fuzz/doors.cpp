@@ -9,7 +9,6 @@
 #include "analysis/shard/pieces.hpp"
 #include "fuzz/fuzz.hpp"
 #include "intersect/doors/pipe.hpp"
-#include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe_header.hpp"
 #include "intersect/shader/compiler_log.hpp"
 #include "intersect/shader/kernel.hpp"

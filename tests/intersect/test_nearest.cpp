@@ -1,6 +1,5 @@
 // What shapes say of points beside them: one test over the closed list, of solids at random.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "catch.hpp"

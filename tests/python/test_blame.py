@@ -1,6 +1,12 @@
 """Unchanged numpy functions, from public code in style, are followed: same culprits as the C++ forms."""
 
+import inspect
+import os
+import subprocess
+import sys
+import tempfile
 import unittest
+from pathlib import Path
 
 import numpy as np
 
@@ -221,10 +227,22 @@ class Blame(unittest.TestCase):
         lb.explain(lb.intersector("sphere")(with_masks.function), "near-benign", (100, 90))
         self.assertEqual(before, (np.full, np.zeros, np.empty, np.ones))
 
+    def test_a_function_beside_the_package_is_followed_and_the_package_behind_a_link_is_not(self):
+        ask = 'e = lb.explain(with_masks, "rtg-fig-7-3-4100-oblique", (100, 90))\nprint(e.line, e.culprit)\n'
+        source = inspect.getsource(with_masks.function)
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(Path(lb.__file__).resolve().parent, Path(folder, "lostbits"))
+            mine = Path(folder, "lostbits_mine.py")
+            mine.write_text("import lostbits as lb\nimport numpy as np\n" + source + ask)
+            told = subprocess.run([sys.executable, mine], env={**os.environ, "PYTHONPATH": folder}, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
+        e = lb.explain(with_masks, "rtg-fig-7-3-4100-oblique", (100, 90))
+        self.assertEqual(told, f"{e.line - with_masks.function.__code__.co_firstlineno + 3} {e.culprit}\n")
+
 
 def _in_order(name, shape, function):
     """The same text with sums along the last axis, which numpy adds in their order."""
-    source = __import__("inspect").getsource(function.function)
+    source = inspect.getsource(function.function)
     source = source[source.index("def "):]
     for pair in ("d, d", "f, d", "f, f", "e1, p", "s, p", "d, q", "e2, q"):
         x, y = pair.split(", ")

@@ -1,7 +1,5 @@
 #include "intersect/doors/formulas.hpp"
 
-#include <dlfcn.h>
-
 #include <deque>
 #include <string>
 

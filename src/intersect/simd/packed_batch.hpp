@@ -15,8 +15,8 @@
 
 namespace lostbits::intersect::simd {
 
-/// The least distance over the solids, as `sdf::Union` takes it. The distances of all shapes are in the code once a
-/// place at which a form asks for one.
+/// The least distance over the solids, as `intersect::table::Union` takes it. The distances of all shapes are in the
+/// code once a place at which a form asks for one.
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     const auto distance = [&target](std::size_t k, const Vec<P>& p) {

@@ -15,7 +15,6 @@
 #include "intersect/table/in_range.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/chunk.hpp"
-#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::answer {
 

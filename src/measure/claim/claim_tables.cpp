@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include "measure/claim/claim_subjects.hpp"
 #include "number/error.hpp"
 #include "number/rounded.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/box/family/family.hpp"
 
 namespace lostbits::measure::claim {

@@ -5,7 +5,6 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::contract {
 namespace {

@@ -10,7 +10,6 @@
 #include "measure/answer/self.hpp"
 #include "measure/evaluate/row_parts.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::evaluate {
 

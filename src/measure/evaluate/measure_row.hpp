@@ -32,7 +32,7 @@ struct BandPart {
     FormSummary* summary;
 };
 
-/// As the function of map.hpp, which finds the columns for one row alone.
+/// As `measure_row` of evaluate.hpp, which finds the columns for one row alone.
 void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary,
                  std::span<const BandPart> parts = {});
 

@@ -1,7 +1,6 @@
 #include "measure/evaluate/row_parts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 

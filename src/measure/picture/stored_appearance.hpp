@@ -48,7 +48,7 @@ auto lifted(const StoredAppearance<S>& look, Lift lift) {
 StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
 /// The same, each rounded once to binary32: what every format shares.
 StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
-/// What a form in format F is given, as `scene::input_solid`.
+/// What a form in format F is given, as `scene::rays::input_rays`.
 StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& f);
 
 /// The points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there: S as above.

@@ -54,7 +54,7 @@ public:
     }
 
     [[nodiscard]] const std::vector<image::Channel>& channels() const { return channels_; }
-    /// So many pixels, as `ExrWriter::write_rows` takes them.
+    /// So many pixels, as `image::ExrBook::write_rows` takes them.
     [[nodiscard]] std::vector<std::uint32_t> samples(const Band& band, std::size_t pixels) const {
         std::vector<std::uint32_t> all(pixels * channels_.size());
         for (const auto& [place, fill] : fills_) fill(band, all.data() + place, pixels, channels_.size());

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <regex>
 #include <set>
 
 #include "scene/toml/parse_number.hpp"
@@ -212,20 +211,6 @@ std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file
     }
     std::ranges::sort(files);
     return files;
-}
-
-std::string universal_word(const std::string& statement) {
-    static const std::regex word(
-        R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",
-        std::regex::icase);
-    std::smatch found;
-    return std::regex_search(statement, found, word) ? found[1].str() : "";
-}
-
-bool tells_of_a_sample(const std::string& text) {
-    static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",
-                                  std::regex::icase);
-    return std::regex_search(text, words);
 }
 
 }  // namespace lostbits::scene::claim

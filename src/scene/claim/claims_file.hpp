@@ -90,11 +90,6 @@ struct Claim {
 std::string_view name_of(Claim::Verdict verdict);
 std::string_view name_of(Claim::Profile profile);
 std::string_view name_of(Claim::Evidence evidence);
-/// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.
-std::string universal_word(const std::string& statement);
-/// Whether a sentence says that it is about a sample: by that word, as "random", or by how many were tried ("none of
-/// 1024 rays", "of the 65,536 pixels").
-bool tells_of_a_sample(const std::string& text);
 
 /// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
 std::vector<Claim> read_claims(const std::filesystem::path& path);

@@ -21,8 +21,8 @@ Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& place) {
     return matrix({row(0), row(1), row(2), {Real(0), Real(0), Real(0), Real(1)}});
 }
 
-/// z/w is `at_near` on the near plane and `at_far` on the far one, w = -z. With n and f: z' = a z + b,
-/// a = (at_near n - at_far f)/(f - n), b = (at_near - at_far) f n/(f - n); at infinity -at_far, (at_near - at_far) n.
+/// z/w is p = `depth_near` on the near plane and q = `depth_far` on the far one, w = -z. With n and f: z' = a z + b,
+/// a = (p n - q f)/(f - n), b = (p - q) f n/(f - n); with f at infinity a = -q, b = (p - q) n.
 Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
     const Real range = c.depth_near - c.depth_far, zero(0);
     const Real a =

@@ -1,4 +1,6 @@
 // A sentence about all cases says what its verdict rests on, and the claim has that.
+#include <regex>
+
 #include "catch.hpp"
 #include "measure/claim/claim.hpp"
 #include "number/error.hpp"
@@ -20,18 +22,35 @@ std::vector<Claim> all_claims() {
     return all;
 }
 
+/// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.
+std::string universal_word(const std::string& statement) {
+    static const std::regex word(
+        R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",
+        std::regex::icase);
+    std::smatch found;
+    return std::regex_search(statement, found, word) ? found[1].str() : "";
+}
+
+/// Whether a sentence says that it is about a sample: by that word, as "random", or by how many were tried ("none of
+/// 1024 rays", "of the 65,536 pixels").
+bool tells_of_a_sample(const std::string& text) {
+    static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",
+                                  std::regex::icase);
+    return std::regex_search(text, words);
+}
+
 }  // namespace
 
 TEST_CASE("every claim whose sentence speaks of all cases says what it rests on") {
     int universal = 0, proofs = 0, searches = 0;
     for (const Claim& claim : all_claims()) {
-        const std::string word = scene::claim::universal_word(claim.statement);
+        const std::string word = universal_word(claim.statement);
         INFO(claim.where.text() << ": " << claim.id << " says \"" << word << "\": " << claim.statement);
         const bool sample = claim.evidence == Claim::Evidence::sample;
         if (!word.empty()) {
             ++universal;
             CHECK(claim.evidence != Claim::Evidence::none);
-            if (sample) CHECK(scene::claim::tells_of_a_sample(claim.statement + " " + claim.note));
+            if (sample) CHECK(tells_of_a_sample(claim.statement + " " + claim.note));
             // One case is enough to refute it.
             if (sample) CHECK(claim.verdict != Claim::Verdict::refuted);
         }
@@ -40,7 +59,7 @@ TEST_CASE("every claim whose sentence speaks of all cases says what it rests on"
         if (by_largest && claim.verdict == Claim::Verdict::holds) CHECK(claim.evidence != Claim::Evidence::none);
         // Of a promise of a bound, samples say nothing.
         if (word == "sound") CHECK_FALSE(sample);
-        CHECK(scene::claim::universal_word(claim.note) != "sound");
+        CHECK(universal_word(claim.note) != "sound");
         const auto* const sweep = claim.on<scene::claim::SweepSubject>();
         const bool searched = claim.on<scene::claim::SearchSubject>();
         if (claim.evidence == Claim::Evidence::exhaustive)
@@ -72,9 +91,9 @@ TEST_CASE("every verdict but of a sentence that describes a number follows from 
 }
 
 TEST_CASE("words of all cases are found as words") {
-    CHECK(scene::claim::universal_word("Two ulps are Always enough") == "Always");
-    CHECK(scene::claim::universal_word("by at most 6u") == "at most");
-    CHECK(scene::claim::universal_word("Neverland has an allowance and a knot").empty());
+    CHECK(universal_word("Two ulps are Always enough") == "Always");
+    CHECK(universal_word("by at most 6u") == "at most");
+    CHECK(universal_word("Neverland has an allowance and a knot").empty());
 }
 
 TEST_CASE("a counterexample refutes") {
@@ -101,7 +120,6 @@ in = [0, 0]
 }
 
 TEST_CASE("a sample is one in words") {
-    using scene::claim::tells_of_a_sample;
     CHECK(tells_of_a_sample("None of 1,024 rays is missed"));
     CHECK(tells_of_a_sample("Of the 65536 pixels none is"));
     CHECK(tells_of_a_sample("No random ray is lost"));

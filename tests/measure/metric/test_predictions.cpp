@@ -1,7 +1,6 @@
 // Predictions of errors: coins that fall as they should, a bound that is the root of a sum of squares, and the metrics
 // by their definitions.
 #include <cmath>
-#include <optional>
 #include <string_view>
 
 #include "catch.hpp"

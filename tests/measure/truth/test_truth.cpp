@@ -1,6 +1,5 @@
 // Truth of spheres against exact integers, and of boxes against exact fractions: every ray of every family must agree,
 // in any range, and by either word on touching.
-#include <array>
 #include <span>
 
 #include "catch.hpp"

@@ -32,7 +32,7 @@ struct Mesh {
     std::vector<Face> faces;
     std::size_t left_out = 0;    ///< faces without area
     std::string first_left_out;  ///< which of them was the first, in words; empty where there is none
-    /// Of each face, whether one of its edges has no other face across; see `find_borders`.
+    /// Of each face, whether one of its edges has no other face across; `tidy` fills it.
     std::vector<bool> borders;
 
     [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
