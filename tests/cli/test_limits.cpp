@@ -100,13 +100,14 @@ TEST_CASE("any number of columns may have moved") {
 
 TEST_CASE("no name of a file leads out of the folder of results") {
     const Scratch scratch;
-    fs::create_directories(scratch / "in");
+    fs::create_directories(scratch / "in/of-a-map");
+    scratch.write("in/of-a-map/...toml", good_scene);
     scratch.write("in/...toml", small_sweep);
     scratch.write("in/...csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
     scratch.write("in/a\nb.toml", small_sweep);
     const auto before = scratch.files();
     for (const std::string words :
-         {"map ./...toml", "sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
+         {"map of-a-map/...toml", "sweep ./...toml -i sphere.press -f f32", "judge ./...csv --sphere 0,0,0,1",
           "sweep 'a\nb.toml'", "choose ./...csv --sphere 0,0,0,1 --bits 3"}) {
         const auto r = run(words + " -o out", scratch / "in");
         INFO(words << "\n" << r.err);

@@ -49,8 +49,8 @@ TEST_CASE("packs settle rays at solids under matrices as they are settled alone,
             REQUIRE((solid.placed->is_proper() && !broken_limit(solid)));
         }
         scene::rays::RayBlock rays;
-        rays.width = 3000, rays.y1 = 1;
-        while (rays.size() < 3000) {
+        rays.width = 4500, rays.y1 = 1;
+        while (rays.size() < 4500) {
             const Solid<double>& at = solids[rays.size() % 3];
             const Ray<double> ray = aimed(r, *at.placed, at.point(0));
             rays.push({testing::stored(ray.origin, binary32), testing::stored(ray.direction, binary32)});
