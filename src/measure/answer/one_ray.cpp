@@ -28,8 +28,8 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
 
 OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
     scene::rays::IdealRayBlock one;
-    one.width = one.y1 = 1;
     one.push(ray);
+    one.be_list();
     scene::rays::put_range(scene, one);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
     else ask_among(scene, scene::rays::round_rays(one, binary64), limit);

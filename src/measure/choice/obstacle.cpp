@@ -138,22 +138,6 @@ private:
     Obstacle& found_;
 };
 
-/// Every so many of the rays that at most `most` are left.
-scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t most) {
-    const std::size_t step = (group.rays.size() + most - 1) / most;
-    scene::rays::RayGroup few{.rays = {}, .solids = {}};
-    few.paired = group.paired;
-    for (std::size_t i = 0; i < group.rays.size(); i += step) {
-        few.rays.push(group.rays[i]);
-        few.rays.push_range(group.rays, i);
-        if (group.paired) few.solids.push_back(group.solids[i]);
-    }
-    if (!group.paired) few.solids = group.solids;
-    few.rays.width = static_cast<int>(few.rays.size());
-    few.rays.y1 = 1;
-    return few;
-}
-
 Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Wish& wish, const Worth& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;

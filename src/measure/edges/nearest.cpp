@@ -30,8 +30,7 @@ struct Aimed {
 scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
     scene::rays::RayBlock rays;
     for (const Aimed& one : litter) rays.push(one.ray);
-    rays.width = static_cast<int>(litter.size());
-    rays.y1 = 1;
+    rays.be_list();
     return rays;
 }
 

@@ -165,8 +165,7 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
         all.rays.solids.insert(all.rays.solids.end(), g.rays.size(), g.solids[0]);
     }
-    rays.width = static_cast<int>(rays.size());
-    rays.y1 = 1;
+    rays.be_list();
     return all;
 }
 

@@ -234,8 +234,7 @@ private:
     Judge judged(const std::vector<Place>& places) {
         scene::rays::RayBlock rays;
         for (const Place& p : places) rays.push(p.ray());
-        rays.width = static_cast<int>(places.size());
-        rays.y1 = 1;
+        rays.be_list();
         evaluations_ += places.size();
         truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
         const unsigned needs = evaluate::needs_of(request_.metrics);
