@@ -46,7 +46,7 @@ Hull<double> outward(const Format& format, const Solid<double>& solid) {
 template <class Way>
 Hull<double> in_format(const Format& format, const Solid<double>& given) {
     return with_number(format, [&]<class T>() {
-        const auto solid = transformed(given, [](double x) { return static_cast<T>(x); });
+        const auto solid = lift_solid<T>(given);
         if constexpr (Way::info.outward) {
             return outward<Way>(format, transformed(solid, [](const T& x) { return as_double(x); }));
         } else {
