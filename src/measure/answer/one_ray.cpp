@@ -43,9 +43,7 @@ void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::Tru
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
-    return {
-        band_->inputs(format, {.unit_rays = form.info->direction == intersect::Direction::unit, .own_truth = false}),
-        index_};
+    return {band_->inputs_for(format, *form.info), index_};
 }
 
 double OneRay::condition(const intersect::Info& info) const {

@@ -253,8 +253,7 @@ private:
         group.mesh = subject_.columns;
         culling::Culler culler(scene::rays::solid_list_of(group), group.rays);
         truth::Band band(std::move(group), request_.limit, &culler);
-        const auto inputs = band.inputs(
-            row_.format, {.unit_rays = row_.form->info->direction == intersect::Direction::unit, .own_truth = false});
+        const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
         Judge judge(sought[wanted_], subject_.edges, litter, row_);
         evaluate::measure_row({row_, metrics_, &judge}, band, inputs, summary);

@@ -93,20 +93,18 @@ class Judge::Part {
 public:
     Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
         : band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)), request.limit, &culler),
-          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(evaluate::columns_of(band, {request.row})) {}
+          row_(request.row),
+          shared_(band, {row_}, request.wish.metrics()) {}
     Part(const MendRequest& request, const scene::rays::RayGroup& rays)
-        : band(rays, request.limit),
-          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(evaluate::columns_of(band, {request.row})) {}
+        : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.wish.metrics()) {}
 
-    [[nodiscard]] evaluate::RowBand rows() const { return {band, inputs_, columns_}; }
+    [[nodiscard]] evaluate::RowBand rows() const { return shared_.of(row_); }
 
-    const truth::Band band;
+    truth::Band band;
 
 private:
-    truth::FormatInputs inputs_;
-    columns::BandColumns columns_;
+    const TestedForm& row_;
+    evaluate::BandOfRows shared_;
 };
 
 Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request), scene_(scene) {

@@ -182,7 +182,7 @@ RaySample::RaySample(const MendRequest& request, int rays) {
     const truth::Band band =
         thin ? truth::Band(*thin, 0, thin->height, request.limit)
              : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
-    const auto inputs = band.inputs(row.format, choice::needs_of(row));
+    const auto inputs = band.inputs_for(row.format, *row.form->info);
     const auto& own = inputs.rays_for(*row.form->info);
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {

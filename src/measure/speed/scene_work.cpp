@@ -114,7 +114,7 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     auto& made = stores[unit ? 1 : 0];
     if (!made) {
-        const truth::FormatInputs inputs = band_.inputs(row.format, {.unit_rays = unit, .own_truth = false});
+        const truth::FormatInputs inputs = band_.inputs_for(row.format, *row.form->info);
         made = std::make_shared<Store<S>>(Store<S>{answer::KernelRoom<S>(inputs.rays_for(*row.form->info))});
         for (const std::size_t s : solids_) made->solids.push_back(lift_solid<S>(inputs.solids[s]));
     }

@@ -27,12 +27,11 @@ public:
           group_(of.request.sweep->group_over(of.ray, of.floats)),
           culler_(culler_of(group_)),
           band_(group_, of.request.limit, culler_ ? &*culler_ : nullptr),
-          inputs_(band_.inputs(rows_.front().format, {.unit_rays = any_unit(rows_), .own_truth = false})),
-          truths_(evaluate::columns_of(band_, rows_)) {}
+          shared_(band_, rows_, measured()) {}
 
     void measure(std::size_t row, evaluate::EvaluationSink& sink) const {
         evaluate::FormSummary summary(measured());
-        evaluate::measure_row({rows_[row], measured(), &sink}, {band_, inputs_, truths_}, summary);
+        evaluate::measure_row({rows_[row], measured(), &sink}, shared_.of(rows_[row]), summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -41,17 +40,12 @@ private:
         if (!group.mesh) return std::nullopt;
         return culling::Culler(scene::rays::solid_list_of(group), group.rays);
     }
-    static bool any_unit(const std::vector<TestedForm>& rows) {
-        return std::ranges::any_of(
-            rows, [](const TestedForm& row) { return row.form->info->direction == intersect::Direction::unit; });
-    }
 
     const std::vector<TestedForm>& rows_;
     scene::rays::RayGroup group_;
     std::optional<culling::Culler> culler_;
     truth::Band band_;
-    truth::FormatInputs inputs_;
-    columns::BandColumns truths_;
+    evaluate::BandOfRows shared_;
 };
 
 /// Adds up what a row does, float by float in their order.

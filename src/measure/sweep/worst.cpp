@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "intersect/process/parallel.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -237,13 +238,10 @@ private:
         rays.be_list();
         evaluations_ += places.size();
         truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
-        const unsigned needs = evaluate::needs_of(request_.metrics);
-        if (needs & metric::needs_condition) band.find_condition();
-        const auto inputs = band.inputs(
-            row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
+        const evaluate::BandOfRows shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
-        evaluate::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, request_.metrics, &judge}, shared.of(row_), summary);
         return judge;
     }
 
