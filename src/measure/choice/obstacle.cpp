@@ -102,7 +102,7 @@ private:
         InputTrial trial{.wide = wide, .exact = exact_worth(meant_, stored, row_, request_.wish)};
         const TestedForm in_f64{row_.form, *find_format("f64")};
         if (row_.form->exists_in(in_f64.format) && !(found_.wider_than_f64 && wide != 0))
-            trial.form = worth_on(meant_, stored.inputs(in_f64.format, needs_of(in_f64)), in_f64, request_.wish);
+            trial.form = worth_on(meant_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64, request_.wish);
         return trial;
     }
 
