@@ -48,13 +48,13 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
 }
 
 /// What is remembered of a litter: the nearest ray with the outcome.
-class Judge final : public evaluate::EvaluationSink {
+class Judge {
 public:
     Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
           const evaluate::TestedForm& row)
         : wanted_(wanted), edges_(edges), litter_(litter), row_(row) {}
 
-    void band(const evaluate::BandResult& result) override {
+    void look_at(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < litter_.size(); ++i) {
             const auto& faces = edges_[litter_[i].edge].faces;
             const truth::Truth truth = result.truth(i);
@@ -256,7 +256,8 @@ private:
         const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
         Judge judge(sought[wanted_], subject_.edges, litter, row_);
-        evaluate::measure_row({row_, metrics_, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, metrics_, [&judge](const auto& result) { judge.look_at(result); }}, band, inputs,
+                              summary);
         return judge;
     }
 

@@ -169,7 +169,7 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
                   const std::vector<FormSummary*>& summaries) {
     const BandOfRows shared(band, rows, metrics);
     for (std::size_t r = 0; r < rows.size(); ++r)
-        measure_row({rows[r], metrics, nullptr, group}, shared.of(rows[r]), *summaries[r]);
+        measure_row({rows[r], metrics, {}, group}, shared.of(rows[r]), *summaries[r]);
 }
 
 /// Rows on the rays of one group, into the summaries of the same places.
@@ -255,7 +255,8 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ev
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
             const TestedForm& row = some.rows[k];
             const std::size_t r = some.places[k];
-            measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr}, shared.of(row), summaries[r]);
+            measure_row({row, request.metrics, shown_to(r < sinks.size() ? sinks[r] : nullptr)}, shared.of(row),
+                        summaries[r]);
             request.progress(band.pixels());
         });
     }

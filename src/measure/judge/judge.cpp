@@ -57,16 +57,6 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
 
-class PieceSink final : public evaluate::EvaluationSink {
-public:
-    PieceSink(const Chunk& chunk, JudgeSink& sink) : chunk_(chunk), sink_(sink) {}
-    void band(const evaluate::BandResult& result) override { sink_.piece(chunk_, result); }
-
-private:
-    const Chunk& chunk_;
-    JudgeSink& sink_;
-};
-
 class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
@@ -204,13 +194,14 @@ private:
         const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const TestedForm& row = request_.rows[r];
-            std::optional<PieceSink> sink;
-            if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
+            evaluate::Show show;
+            if (JudgeSink* const sink = r < sinks_.size() ? sinks_[r] : nullptr)
+                show = [&chunk, sink](const evaluate::BandResult& result) { sink->piece(chunk, result); };
             std::vector<evaluate::BandPart> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             evaluate::measure_row({.row = row,
                                    .metrics = request_.metrics,
-                                   .sink = sink ? &*sink : nullptr,
+                                   .show = show,
                                    .first = first,
                                    .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
                                   piece.shared->of(row), result_.summaries[r], parts);

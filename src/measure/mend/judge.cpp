@@ -144,7 +144,7 @@ std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest asked{rows[r], metrics, sinks.empty() ? nullptr : sinks[r]};
+            evaluate::RowRequest asked{rows[r], metrics, evaluate::shown_to(sinks.empty() ? nullptr : sinks[r])};
             if (among) asked.answers = &*among;
             measure_row(asked, part.rows(), summaries[r]);
         });

@@ -38,12 +38,12 @@ struct Place {
     }
 };
 
-/// What the sink of one litter remembers: the worst of it.
-class Judge final : public evaluate::EvaluationSink {
+/// What is remembered of a litter: the worst of it.
+class Judge {
 public:
     Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
         : metric_(metric), unit_of_(unit_of), file_(file) {}
-    void band(const evaluate::BandResult& result) override {
+    void look_at(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
@@ -241,7 +241,8 @@ private:
         const evaluate::BandOfRows shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
-        evaluate::measure_row({row_, request_.metrics, &judge}, shared.of(row_), summary);
+        evaluate::measure_row({row_, request_.metrics, [&judge](const auto& result) { judge.look_at(result); }},
+                              shared.of(row_), summary);
         return judge;
     }
 
