@@ -240,9 +240,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
         const measure::truth::Band band(std::move(group), {.stop = running.stop()});
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
             const TestedForm& row = chosen.rows[r];
-            measure::truth::BandNeeds needs;
-            needs.unit_rays = row.form->info->direction == intersect::Direction::unit;
-            const auto inputs = band.inputs(row.format, needs);
+            const auto inputs = band.inputs_for(row.format, *row.form->info);
             const auto answers = measure::answer::evaluate(*row.form, inputs);
             ResultTable& table = result->tables[r];
             for (std::size_t i = 0; i < answers.t.size(); ++i) {

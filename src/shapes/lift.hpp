@@ -8,6 +8,7 @@
 #include "geometry/ray.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
+#include "number/with_number.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits {
@@ -43,6 +44,20 @@ Ray<E> lift_ray(const Ray<S>& ray) {
 template <class E, class S>
 Solid<E> lift_solid(const Solid<S>& solid) {
     return transformed(solid, [](const S& x) { return lift<E>(x); });
+}
+
+/// Numbers of a format as the doubles that hold them.
+template <class T>
+Vec<double> as_doubles(const Vec<T>& v) {
+    return {as_double(v.x), as_double(v.y), as_double(v.z)};
+}
+template <class T>
+Ray<double> as_doubles(const Ray<T>& ray) {
+    return {as_doubles(ray.origin), as_doubles(ray.direction)};
+}
+template <class T>
+Solid<double> as_doubles(const Solid<T>& solid) {
+    return transformed(solid, [](const T& x) { return as_double(x); });
 }
 
 /// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the

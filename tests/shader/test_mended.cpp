@@ -39,8 +39,7 @@ std::vector<std::string> answers_of(const Tape& made, const intersect::table::In
                                     const scene::file::Scene& scene) {
     const measure::tape::TapeForm row(form, *find_format("f32"), made, "tape", "");
     const measure::truth::Band band(scene, 0, scene.height);
-    const auto inputs =
-        band.inputs(*find_format("f32"), measure::choice::needs_of({.form = &form, .format = *find_format("f32")}));
+    const auto inputs = band.inputs_for(*find_format("f32"), *form.info);
     const auto found = measure::answer::evaluate(row.row(), inputs);
     std::vector<std::string> all;
     for (std::size_t i = 0; i < found.t.size(); ++i)

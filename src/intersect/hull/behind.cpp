@@ -11,6 +11,7 @@
 #include "intersect/table/made_rows.hpp"
 #include "intersect/table/recording.hpp"
 #include "number/error.hpp"
+#include "shapes/lift.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::hull {
@@ -36,7 +37,7 @@ HullParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->p
 template <class S>
 Solid<S> box_around(const HullParts& row, const Format& format, const Solid<S>& solid) {
     const Hull<double> box = row.way->in(format, transformed(solid, [](const S& x) { return static_cast<double>(x); }));
-    return transformed(Solid<double>(box), [](double x) { return static_cast<S>(x); });
+    return lift_solid<S>(Solid<double>(box));
 }
 
 /// What the box answers, which of each ray is looked at only as a decision.

@@ -46,7 +46,7 @@ Hull<double> outward(const Format& format, const Solid<double>& solid) {
 template <class Way>
 Hull<double> in_format(const Format& format, const Solid<double>& given) {
     return with_number(format, [&]<class T>() {
-        const auto solid = transformed(given, [](double x) { return static_cast<T>(x); });
+        const auto solid = lift_solid<T>(given);
         if constexpr (Way::info.outward) {
             return outward<Way>(format, transformed(solid, [](const T& x) { return as_double(x); }));
         } else {
@@ -65,7 +65,9 @@ Hull<double> in_format(const Format& format, const Solid<double>& given) {
     });
 }
 
-const std::vector<HullWay>& table() {
+}  // namespace
+
+std::span<const HullWay> hulls() {
     static const std::vector<HullWay> all = [] {
         std::vector<HullWay> rows;
         for_each_hull([&rows]<class Way>() { rows.push_back({&Way::info, in_format<Way>}); });
@@ -74,15 +76,11 @@ const std::vector<HullWay>& table() {
     return all;
 }
 
-}  // namespace
-
-std::span<const HullWay> hulls() { return table(); }
-
 const HullWay* find_hull(std::string_view name) {
-    const auto found = std::ranges::find(table(), name, [](const HullWay& way) { return way.info->name; });
-    return found == table().end() ? nullptr : &*found;
+    const auto found = std::ranges::find(hulls(), name, [](const HullWay& way) { return way.info->name; });
+    return found == hulls().end() ? nullptr : &*found;
 }
 
-const HullWay& usual_hull() { return table().front(); }
+const HullWay& usual_hull() { return hulls().front(); }
 
 }  // namespace lostbits::intersect::hull

@@ -194,7 +194,9 @@ constexpr Space row() {
             .record = record<L>};
 }
 
-const std::vector<Space>& table() {
+}  // namespace
+
+std::span<const Space> spaces() {
     static const std::vector<Space> all = [] {
         std::vector<Space> rows;
         for_each_space([&rows]<class L>() { rows.push_back(row<L>()); });
@@ -203,15 +205,11 @@ const std::vector<Space>& table() {
     return all;
 }
 
-}  // namespace
-
-std::span<const Space> spaces() { return table(); }
-
 const Space* find_space(std::string_view name) {
-    const auto found = std::ranges::find(table(), name, [](const Space& s) { return s.info->name; });
-    return found == table().end() ? nullptr : &*found;
+    const auto found = std::ranges::find(spaces(), name, [](const Space& s) { return s.info->name; });
+    return found == spaces().end() ? nullptr : &*found;
 }
 
-const Space& usual_space() { return table().front(); }
+const Space& usual_space() { return spaces().front(); }
 
 }  // namespace lostbits::intersect::space

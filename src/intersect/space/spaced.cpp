@@ -7,6 +7,7 @@
 #include "intersect/table/joined_tapes.hpp"
 #include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::intersect::space {
 
@@ -124,9 +125,8 @@ void record_with(const Made& row, const Format& format, const Ray<double>& ray, 
         const bool scales = tape[object.scale].op != TapeOp::constant;
         if (scales)
             with_number(format, [&]<class F>() {
-                there = transformed(
-                    scaled(transformed(there, [](double x) { return static_cast<F>(x); }), static_cast<F>(scale)),
-                    [](const F& x) { return as_double(x); });
+                there = transformed(scaled(lift_solid<F>(there), static_cast<F>(scale)),
+                                    [](const F& x) { return as_double(x); });
             });
         for_each_key(solid.shape, [&](const Key& key, std::size_t first) {
             for (k = first; k < first + key.count(); ++k)

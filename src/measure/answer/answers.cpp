@@ -15,6 +15,7 @@
 #include "intersect/table/in_range.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/chunk.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::answer {
 
@@ -39,7 +40,7 @@ void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& 
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;
         for (end = i + 1; end < chunk.count() && same(first, chunk.begin() + end);) ++end;
-        const Solid<S> solid = transformed(in.solids[first], [](double x) { return static_cast<S>(x); });
+        const Solid<S> solid = lift_solid<S>(in.solids[first]);
         kernel(chunk.batch(i, end), Target<S>(solid), chunk.hits(i, end));
         for (std::size_t k = i; k < end; ++k) {
             const std::size_t p = chunk.begin() + k;
@@ -54,8 +55,7 @@ template <class S, class Kernel>
 void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
     std::vector<Solid<S>> own;
-    for (std::size_t k = 0; k < chunk.count(); ++k)
-        own.push_back(transformed(in.solids[chunk.begin() + k], [](double x) { return static_cast<S>(x); }));
+    for (std::size_t k = 0; k < chunk.count(); ++k) own.push_back(lift_solid<S>(in.solids[chunk.begin() + k]));
     const HitBatch<S> hits = chunk.hits();
     kernel(chunk.batch(), Target<S>(std::span<const Solid<S>>(own)), hits);
     for (std::size_t k = 0; k < chunk.count(); ++k) {
@@ -69,7 +69,7 @@ template <class S, class Kernel>
 void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
         in.stop.check();
-        const Solid<S> solid = transformed(in.solids[s], [](double x) { return static_cast<S>(x); });
+        const Solid<S> solid = lift_solid<S>(in.solids[s]);
         kernel(chunk.batch(), Target<S>(solid), chunk.hits());
         chunk.keep_nearest(s);
     }
@@ -134,14 +134,11 @@ public:
 
 private:
     void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const SolidArrays<S>& spheres) {
-        const auto cast = [](const Vec<double>& v) {
-            return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z));
-        };
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
         const Range<double> range = rays_.range(p);
-        kernel_({cast(ray.origin), cast(ray.direction)},
-                {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_, hit_);
+        kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_,
+                hit_);
         const bool has_best = answers_.hit[p] != 0 && !std::isnan(answers_.t[p]);
         if (has_best && !any_before<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
         for_each_hit(hit_,

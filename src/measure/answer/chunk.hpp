@@ -6,6 +6,7 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/rays.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::answer {
 
@@ -25,16 +27,41 @@ intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, st
         const std::span<const S> all(columns[k]);
         return all.empty() ? all : all.subspan(i, end - i);
     };
-    return {.ox = part(0),
-            .oy = part(1),
-            .oz = part(2),
-            .dx = part(3),
-            .dy = part(4),
-            .dz = part(5),
-            .tmax = part(6),
-            .tmin = part(7),
-            .open = open};
+    return {part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7), open};
 }
+
+/// Room for the answers of a kernel.
+template <class S>
+struct AnswerRoom {
+    std::vector<S> t, near, far;
+    std::vector<std::uint8_t> hit;
+
+    explicit AnswerRoom(std::size_t rays) : t(rays), near(rays), far(rays), hit(rays) {}
+    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
+        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
+        return {part(t), part(near), part(far), part(hit)};
+    }
+    [[nodiscard]] intersect::table::HitBatch<S> hits() { return {t, near, far, hit}; }
+};
+
+/// The numbers of some rays as a kernel takes them, without their ranges, and room for its answers.
+template <class S>
+struct KernelRoom : AnswerRoom<S> {
+    std::array<std::vector<S>, 8> columns;
+
+    KernelRoom(const scene::rays::RayBlock& rays, std::size_t begin, std::size_t count) : AnswerRoom<S>(count) {
+        for (std::size_t k = 0; k < rays.numbers().size(); ++k) {
+            columns[k].resize(count);
+            std::ranges::transform(std::span(*rays.numbers()[k]).subspan(begin, count), columns[k].begin(),
+                                   [](double x) { return static_cast<S>(x); });
+        }
+    }
+    explicit KernelRoom(const scene::rays::RayBlock& rays) : KernelRoom(rays, 0, rays.size()) {}
+    [[nodiscard]] intersect::table::RayBatch<S> rays(std::size_t i, std::size_t end) const {
+        return batch_of<S>(columns, i, end, {});
+    }
+    [[nodiscard]] intersect::table::RayBatch<S> rays() const { return rays(0, this->hit.size()); }
+};
 
 /// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
 /// their answers.
@@ -43,12 +70,12 @@ class RayChunk {
 public:
     static constexpr std::size_t most = 2048;
 
-    explicit RayChunk(const scene::rays::RayBlock& rays) : rays_(rays), columns_(room_for_columns(rays)) {
-        const std::size_t room = std::min(most, rays.size());
-        for (auto* answers : {&t_, &near_, &far_, &nearest_}) answers->resize(room);
-        hit_.resize(room);
-        objects_.resize(room);
-    }
+    explicit RayChunk(const scene::rays::RayBlock& rays)
+        : rays_(rays),
+          room_(std::min(most, rays.size())),
+          columns_(room_for_columns()),
+          nearest_(room_.hit.size()),
+          objects_(room_.hit.size()) {}
 
     /// Rays begin to begin + `most`, or to the last.
     void move_to(std::size_t begin) {
@@ -77,16 +104,13 @@ public:
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
         return batch_of<S>(batch_, i, end, rays_.open);
     }
-    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
-        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
-        return {part(t_), part(near_), part(far_), part(hit_)};
-    }
+    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return room_.hits(i, end); }
 
     /// Takes the hits with this solid where they come first.
     void keep_nearest(std::size_t solid) {
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
-                                                  .t = t_.data(),
-                                                  .hit = hit_.data(),
+                                                  .t = room_.t.data(),
+                                                  .hit = room_.hit.data(),
                                                   .nearest = nearest_.data(),
                                                   .objects = objects_.data(),
                                                   .object = static_cast<std::int32_t>(solid)});
@@ -108,20 +132,20 @@ public:
     }
 
 private:
-    static std::array<std::vector<S>, 8> room_for_columns(const scene::rays::RayBlock& rays) {
+    [[nodiscard]] std::array<std::vector<S>, 8> room_for_columns() const {
         std::array<std::vector<S>, 8> columns;
         if constexpr (!std::same_as<S, double>) {
-            for (std::vector<S>& column : columns) column.resize(std::min(most, rays.size()));
+            for (std::vector<S>& column : columns) column.resize(room_.hit.size());
         }
         return columns;
     }
 
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
+    AnswerRoom<S> room_;
     std::array<std::vector<S>, 8> columns_;  ///< where the kernels take another type than the block has
     std::array<std::span<const S>, 8> batch_;
-    std::vector<S> t_, near_, far_, nearest_;
-    std::vector<std::uint8_t> hit_;
+    std::vector<S> nearest_;
     std::vector<std::int32_t> objects_;
 };
 
@@ -154,8 +178,7 @@ public:
             columns_[c].reserve(pairs_.size());
             for (const Pair& pair : pairs_) columns_[c].push_back(static_cast<S>((*from[c])[pair.ray]));
         }
-        for (auto* answers : {&t_, &near_, &far_}) answers->resize(pairs_.size());
-        hit_.resize(pairs_.size());
+        room_.emplace(pairs_.size());
     }
 
     /// The kernel meets each solid by itself.
@@ -164,7 +187,7 @@ public:
         for (std::size_t k = 0, end = 0; k < pairs_.size(); k = end) {
             for (end = k + 1; end < pairs_.size() && pairs_[end].solid == pairs_[k].solid;) ++end;
             in_.stop.check();
-            kernel(batch(k, end), intersect::Target<S>(solid(k)), hits(k, end));
+            kernel(batch(k, end), intersect::Target<S>(solid(k)), room_->hits(k, end));
         }
     }
     /// The kernel is from outside, where a call may cost a message to another process: it meets all of a shape at once.
@@ -176,13 +199,14 @@ public:
             for (end = k + 1; end < pairs_.size() && in_.solids[pairs_[end].solid].shape == own.front().shape; ++end)
                 own.push_back(solid(end));
             in_.stop.check();
-            kernel(batch(k, end), intersect::Target<S>(std::span<const Solid<S>>(own)), hits(k, end));
+            kernel(batch(k, end), intersect::Target<S>(std::span<const Solid<S>>(own)), room_->hits(k, end));
         }
     }
     void put(Answers& answers) const {
-        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].place] = hit_[k];
+        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].place] = room_->hit[k];
         for (std::size_t k = 0; k < pairs_.size(); ++k)
-            if (hit_[k] != 0) keep_nearest(t_[k], pairs_[k].ray, static_cast<std::int32_t>(pairs_[k].solid), answers);
+            if (room_->hit[k] != 0)
+                keep_nearest(room_->t[k], pairs_[k].ray, static_cast<std::int32_t>(pairs_[k].solid), answers);
     }
 
 private:
@@ -191,23 +215,16 @@ private:
         std::size_t ray;
         friend auto operator<=>(const Pair&, const Pair&) = default;
     };
-    [[nodiscard]] Solid<S> solid(std::size_t k) const {
-        return transformed(in_.solids[pairs_[k].solid], [](double x) { return static_cast<S>(x); });
-    }
+    [[nodiscard]] Solid<S> solid(std::size_t k) const { return lift_solid<S>(in_.solids[pairs_[k].solid]); }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t k, std::size_t end) const {
         return batch_of<S>(columns_, k, end, open_);
-    }
-    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t k, std::size_t end) {
-        const auto part = [&](auto& all) { return std::span(all).subspan(k, end - k); };
-        return {part(t_), part(near_), part(far_), part(hit_)};
     }
 
     const truth::FormatInputs& in_;
     OpenEnds open_;
     std::vector<Pair> pairs_;
     std::array<std::vector<S>, 8> columns_;
-    std::vector<S> t_, near_, far_;
-    std::vector<std::uint8_t> hit_;
+    std::optional<AnswerRoom<S>> room_;
 };
 
 }  // namespace lostbits::measure::answer

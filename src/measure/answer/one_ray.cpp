@@ -28,8 +28,8 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
 
 OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
     scene::rays::IdealRayBlock one;
-    one.width = one.y1 = 1;
     one.push(ray);
+    one.be_list();
     scene::rays::put_range(scene, one);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
     else ask_among(scene, scene::rays::round_rays(one, binary64), limit);
@@ -43,9 +43,7 @@ void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::Tru
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
-    return {
-        band_->inputs(format, {.unit_rays = form.info->direction == intersect::Direction::unit, .own_truth = false}),
-        index_};
+    return {band_->inputs_for(format, *form.info), index_};
 }
 
 double OneRay::condition(const intersect::Info& info) const {

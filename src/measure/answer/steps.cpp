@@ -74,10 +74,7 @@ public:
     Walk(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
          const Range<double>& range)
         : row_(row), made_(intersect::space::made_of(row)), format_(format), solid_(solid), range_(range) {
-        const auto vec = [](const Vec<double>& v) {
-            return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-        };
-        world_ = {vec(ray.origin), vec(ray.direction)};
+        world_ = lift_ray<T>(ray);
         exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
         plain_ = solid;
         plain_.placed.reset();
@@ -131,12 +128,10 @@ private:
 
     /// What the form answers; nothing where it misses.
     std::optional<T> asked(const ObjectRay<T>& in) const {
-        const auto back = [](const Vec<T>& v) { return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z)); };
-        Solid<T> object = transformed(plain_, [](double n) { return static_cast<T>(n); });
+        Solid<T> object = lift_solid<T>(plain_);
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
         const auto t =
-            ask_one(*made_.form, format_, {back(in.ray.origin), back(in.ray.direction)},
-                    transformed(object, [](const T& n) { return as_double(n); }),
+            ask_one(*made_.form, format_, as_doubles(in.ray), as_doubles(object),
                     std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
         return t ? std::optional(static_cast<T>(*t)) : std::nullopt;
     }
@@ -195,17 +190,12 @@ struct Place {
 Place object_of(const Space& space, const Format& format, const Place& world) {
     return with_number(format, [&]<class T>() {
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const auto vec = [&](const Vec<double>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
-        const auto back = [](const Vec<T>& v) { return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z)); };
         const auto& steps = intersect::space::steps_in<T>(space);
-        const auto in = steps.to_object(steps.maps(transformed(*world.solid.placed, lift)),
-                                        {vec(world.ray.origin), vec(world.ray.direction)});
-        Solid<T> object = transformed(world.solid, lift);
+        const auto in = steps.to_object(steps.maps(transformed(*world.solid.placed, lift)), lift_ray<T>(world.ray));
+        Solid<T> object = lift_solid<T>(world.solid);
         object.placed.reset();
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-        Place there{{back(in.ray.origin), back(in.ray.direction)},
-                    transformed(object, [](const T& x) { return as_double(x); }),
-                    world.range};
+        Place there{as_doubles(in.ray), as_doubles(object), world.range};
         there.range.tmin = as_double(lift(world.range.tmin) * in.length);
         there.range.tmax = as_double(lift(world.range.tmax) * in.length);
         return there;

@@ -57,9 +57,7 @@ public:
             for (const scene::rays::RayGroup& group : step->groups) bands_.emplace_back(group, request.limit);
         else if (const auto* const scene = std::get_if<scene::file::Scene>(&request.rays))
             bands_.emplace_back(*scene, 0, scene->height, request.limit);
-        for (const truth::Band& band : bands_)
-            inputs_.push_back(
-                band.inputs(request.format, {.unit_rays = info_.direction == intersect::Direction::unit}));
+        for (const truth::Band& band : bands_) inputs_.push_back(band.inputs_for(request.format, info_));
     }
     [[nodiscard]] std::size_t solids() const { return inputs_.front().solids.size(); }
     [[nodiscard]] Solid<double> solid(std::size_t s) const { return inputs_.front().solids[s]; }

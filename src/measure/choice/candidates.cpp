@@ -54,12 +54,8 @@ Worth worth_of(const evaluate::FormSummary& s, const TestedForm& row, const Wish
             .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};
 }
 
-truth::BandNeeds needs_of(const TestedForm& row) {
-    return {.unit_rays = row.form->info->direction == intersect::Direction::unit};
-}
-
 Worth worth_on(const truth::Band& band, const TestedForm& row, const Wish& wish) {
-    return worth_on(band, band.inputs(row.format, needs_of(row)), row, wish);
+    return worth_on(band, band.inputs_for(row.format, *row.form->info), row, wish);
 }
 
 Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& row, const Wish& wish) {

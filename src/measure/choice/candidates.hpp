@@ -85,8 +85,6 @@ Worth worth_on(const truth::Band& band, const evaluate::TestedForm& row, const W
 /// And where the row is given other inputs than the band's.
 Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
                const Wish& wish);
-/// What the row needs of a band's inputs.
-truth::BandNeeds needs_of(const evaluate::TestedForm& row);
 
 /// The worth of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);

@@ -23,8 +23,7 @@ public:
     }
 
     scene::rays::RayGroup take(const std::vector<Solid<double>>& solids) {
-        sample_.rays.width = static_cast<int>(sample_.rays.size());
-        sample_.rays.y1 = 1;
+        sample_.rays.be_list();
         sample_.paired = !sample_.solids.empty();
         if (!sample_.paired) sample_.solids = solids;
         return std::move(sample_);
@@ -39,9 +38,8 @@ private:
             for (std::size_t i = 0; 2 * i < all.size(); ++i) all[i] = all[2 * i];
             all.resize((all.size() + 1) / 2);
         };
-        for (auto* column : {&sample_.rays.ox, &sample_.rays.oy, &sample_.rays.oz, &sample_.rays.dx, &sample_.rays.dy,
-                             &sample_.rays.dz, &sample_.rays.tmin, &sample_.rays.tmax})
-            thin(*column);
+        for (auto* column : sample_.rays.numbers()) thin(*column);
+        thin(sample_.rays.tmin), thin(sample_.rays.tmax);
         thin(sample_.solids);
     }
 

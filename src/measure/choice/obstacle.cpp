@@ -102,7 +102,7 @@ private:
         InputTrial trial{.wide = wide, .exact = exact_worth(meant_, stored, row_, request_.wish)};
         const TestedForm in_f64{row_.form, *find_format("f64")};
         if (row_.form->exists_in(in_f64.format) && !(found_.wider_than_f64 && wide != 0))
-            trial.form = worth_on(meant_, stored.inputs(in_f64.format, needs_of(in_f64)), in_f64, request_.wish);
+            trial.form = worth_on(meant_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64, request_.wish);
         return trial;
     }
 
@@ -137,22 +137,6 @@ private:
     Band meant_;
     Obstacle& found_;
 };
-
-/// Every so many of the rays that at most `most` are left.
-scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t most) {
-    const std::size_t step = (group.rays.size() + most - 1) / most;
-    scene::rays::RayGroup few{.rays = {}, .solids = {}};
-    few.paired = group.paired;
-    for (std::size_t i = 0; i < group.rays.size(); i += step) {
-        few.rays.push(group.rays[i]);
-        few.rays.push_range(group.rays, i);
-        if (group.paired) few.solids.push_back(group.solids[i]);
-    }
-    if (!group.paired) few.solids = group.solids;
-    few.rays.width = static_cast<int>(few.rays.size());
-    few.rays.y1 = 1;
-    return few;
-}
 
 Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Wish& wish, const Worth& reached) {
     using Cause = Obstacle::Cause;

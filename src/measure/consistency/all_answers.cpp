@@ -1,60 +1,16 @@
 // Every number that a form tells, ray by ray; and rays one by one and together, by the kernels of every register width.
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
+#include "measure/answer/chunk.hpp"
 #include "measure/consistency/check.hpp"
 
 namespace lostbits::measure::consistency {
 
-using intersect::table::HitBatch;
-using intersect::table::RayBatch;
 using scene::rays::RayBlock;
 
 namespace {
-
-template <class S>
-std::vector<S> stored_as(const std::vector<double>& from) {
-    std::vector<S> to(from.size());
-    std::ranges::transform(from, to.begin(), [](double x) { return static_cast<S>(x); });
-    return to;
-}
-
-/// Rays and answers in the storage of a kernel.
-template <class S>
-class StoredBatch {
-public:
-    explicit StoredBatch(const RayBlock& rays)
-        : columns_{stored_as<S>(rays.ox),  stored_as<S>(rays.oy), stored_as<S>(rays.oz),  //
-                   stored_as<S>(rays.dx),  stored_as<S>(rays.dy), stored_as<S>(rays.dz),  //
-                   stored_as<S>(rays.tmax)} {
-        for (auto* numbers : {&t_, &near_, &far_}) numbers->resize(rays.size());
-        hit_.resize(rays.size());
-    }
-
-    [[nodiscard]] RayBatch<S> rays(std::size_t begin, std::size_t count) const {
-        const auto part = [&](std::size_t k) {
-            const std::span<const S> all = columns_[k];
-            return all.empty() ? all : all.subspan(begin, count);
-        };
-        return {
-            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
-    }
-    [[nodiscard]] HitBatch<S> hits(std::size_t begin, std::size_t count) {
-        const auto part = [&](auto& all) { return std::span(all).subspan(begin, count); };
-        return {part(t_), part(near_), part(far_), part(hit_)};
-    }
-    [[nodiscard]] AllAnswers answers() && {
-        const auto wide = [](const std::vector<S>& all) { return std::vector<double>(all.begin(), all.end()); };
-        return {wide(t_), wide(near_), wide(far_), std::move(hit_)};
-    }
-
-private:
-    std::array<std::vector<S>, 7> columns_;
-    std::vector<S> t_, near_, far_;
-    std::vector<std::uint8_t> hit_;
-};
 
 /// The same bits; a NaN is a NaN.
 bool is_same(double a, double b) {
@@ -77,10 +33,10 @@ AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Sol
     const std::size_t n = rays.size();
     intersect::simd::with_kernel(asked.form, asked.native, asked.format, [&]<class S>(const auto& kernel) {
         std::vector<Solid<S>> stored;
-        for (const Solid<double>& solid : solids)
-            stored.push_back(transformed(solid, [](double x) { return static_cast<S>(x); }));
+        for (const Solid<double>& solid : solids) stored.push_back(lift_solid<S>(solid));
         const std::span<const Solid<S>> all = stored;
-        StoredBatch<S> batch(rays);
+        answer::KernelRoom<S> room(rays);
+        for (const double end : rays.tmax) room.columns[6].push_back(static_cast<S>(end));
         // A target has solids of one shape.
         const auto end_of = [&](std::size_t begin) {
             if (calls == Calls::one_by_one) return begin + 1;
@@ -92,9 +48,10 @@ AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Sol
             asked.stop.check();
             end = end_of(begin);
             const auto own = all.size() == 1 ? all : all.subspan(begin, end - begin);
-            kernel(batch.rays(begin, end - begin), intersect::Target<S>(own), batch.hits(begin, end - begin));
+            kernel(room.rays(begin, end), intersect::Target<S>(own), room.hits(begin, end));
         }
-        answers = std::move(batch).answers();
+        const auto wide = [](const std::vector<S>& told) { return std::vector<double>(told.begin(), told.end()); };
+        answers = {wide(room.t), wide(room.near), wide(room.far), room.hit};
     });
     return answers;
 }

@@ -12,8 +12,7 @@ RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const t
       row(asked),
       band(on),
       form(*asked.form, asked.format, on.stop()),
-      inputs(on.inputs(asked.format,
-                       {.unit_rays = asked.form->info->direction == intersect::Direction::unit, .own_truth = false})),
+      inputs(on.inputs_for(asked.format, *asked.form->info)),
       solids(inputs.solids.all()),
       closest(answer::evaluate(*asked.form, inputs)) {}
 

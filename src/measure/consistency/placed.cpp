@@ -106,7 +106,7 @@ void check_placed(const RowOnBand& on, AccordOfPixels& out) {
     const truth::Band here = band_of(on, on.solids), there = band_of(on, others);
     const Intersector& form = form_for(*on.row.form);
     const bool unit = form.info->direction == intersect::Direction::unit;
-    const auto answers = answer::evaluate(form, there.inputs(on.row.format, {.unit_rays = unit, .own_truth = false}));
+    const auto answers = answer::evaluate(form, there.inputs_for(on.row.format, *form.info));
     const answer::Answers &a = on.closest, &b = answers;
     for (std::size_t i = 0; i < on.pixels(); ++i) {
         const Truth p = here.truth(i, on.row.convention()), q = there.truth(i, on.row.convention());

@@ -11,6 +11,7 @@
 #include "number/rounded.hpp"
 #include "number/with_number.hpp"
 #include "scene/rays/rays.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -18,15 +19,6 @@ using scene::rays::RayBlock;
 using truth::Truth;
 
 namespace {
-
-template <class T>
-Vec<T> in_format(const Vec<double>& v) {
-    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-}
-template <class T>
-Vec<double> as_doubles(const Vec<T>& v) {
-    return {as_double(v.x), as_double(v.y), as_double(v.z)};
-}
 
 /// The sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
 std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
@@ -141,14 +133,14 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
 
 SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
     return with_number(format, [&]<class T>() {
-        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
+        const Vec<T> from = lift_vec<T>(p), way = lift_vec<T>(q) - from;
         const T size = length(way);
         T share(1);
         if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
         const Vec<T> unit(way.x / size, way.y / size, way.z / size);
-        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
+        return SegmentInTwoWays{.by_difference = {p, as_doubles(way)},
                                 .difference_end = as_double(share),
-                                .by_unit = {p, as_doubles<T>(unit)},
+                                .by_unit = {p, as_doubles(unit)},
                                 .unit_end = as_double(share * size)};
     });
 }

@@ -13,8 +13,7 @@ constexpr std::size_t most_rays = 4096;
 
 /// What a row makes of the rays of a band.
 void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<Judged>& rays) {
-    const truth::FormatInputs in =
-        band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit});
+    const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
     const answer::Answers answers = answer::evaluate(*row.form, in);
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {

@@ -30,8 +30,7 @@ struct Aimed {
 scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
     scene::rays::RayBlock rays;
     for (const Aimed& one : litter) rays.push(one.ray);
-    rays.width = static_cast<int>(litter.size());
-    rays.y1 = 1;
+    rays.be_list();
     return rays;
 }
 
@@ -49,13 +48,13 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
 }
 
 /// What is remembered of a litter: the nearest ray with the outcome.
-class Judge final : public evaluate::EvaluationSink {
+class Judge {
 public:
     Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
           const evaluate::TestedForm& row)
         : wanted_(wanted), edges_(edges), litter_(litter), row_(row) {}
 
-    void band(const evaluate::BandResult& result) override {
+    void look_at(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < litter_.size(); ++i) {
             const auto& faces = edges_[litter_[i].edge].faces;
             const truth::Truth truth = result.truth(i);
@@ -254,11 +253,11 @@ private:
         group.mesh = subject_.columns;
         culling::Culler culler(scene::rays::solid_list_of(group), group.rays);
         truth::Band band(std::move(group), request_.limit, &culler);
-        const auto inputs = band.inputs(
-            row_.format, {.unit_rays = row_.form->info->direction == intersect::Direction::unit, .own_truth = false});
+        const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
         Judge judge(sought[wanted_], subject_.edges, litter, row_);
-        evaluate::measure_row({row_, metrics_, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, metrics_, [&judge](const auto& result) { judge.look_at(result); }}, band, inputs,
+                              summary);
         return judge;
     }
 

@@ -16,26 +16,21 @@ using answer::Outcome;
 using metric::Metric;
 using truth::Band;
 using truth::BandNeeds;
-using truth::FormatInputs;
 
-columns::BandColumns columns_of(const Band& band, const std::vector<TestedForm>& rows) {
-    columns::BandColumns columns(band);
-    for (const TestedForm& row : rows) columns.find(row.convention(), row.form->info->direction);
-    return columns;
-}
-
-std::map<std::string, BandNeeds> needs_by_format(const std::vector<TestedForm>& rows,
-                                                 const std::vector<const Metric*>& metrics) {
+BandOfRows::BandOfRows(Band& band, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics)
+    : band_(band), columns_(band) {
+    const unsigned asked = needs_of(metrics);
+    if (asked & metric::needs_condition) band.find_condition();
     std::map<std::string, BandNeeds> formats;
     for (const TestedForm& row : rows) {
         BandNeeds& needs = formats[row.format.name];
         for (const intersect::table::Intersector* form : {row.form, row.against})
             needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
-        needs.own_truth |= (needs_of(metrics) & metric::needs_own_truth) != 0;
-        needs.reach = {(needs_of(metrics) & metric::needs_reach) != 0,
-                       (needs_of(metrics) & metric::needs_reach_normwise) != 0};
+        needs.own_truth = (asked & metric::needs_own_truth) != 0;
+        needs.reach = {(asked & metric::needs_reach) != 0, (asked & metric::needs_reach_normwise) != 0};
     }
-    return formats;
+    for (const auto& [name, needs] : formats) inputs_.emplace(name, band.inputs(*find_format(name), needs));
+    for (const TestedForm& row : rows) columns_.find(row.convention(), row.form->info->direction);
 }
 
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows) {
@@ -165,21 +160,16 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
         all.rays.solids.insert(all.rays.solids.end(), g.rays.size(), g.solids[0]);
     }
-    rays.width = static_cast<int>(rays.size());
-    rays.y1 = 1;
+    rays.be_list();
     return all;
 }
 
 /// Rows on one band, into the summaries of the same places.
 void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics,
                   const std::vector<FormSummary*>& summaries) {
-    if (needs_of(metrics) & metric::needs_condition) band.find_condition();
-    std::map<std::string, FormatInputs> inputs;
-    for (const auto& [name, needs] : needs_by_format(rows, metrics))
-        inputs.emplace(name, band.inputs(*find_format(name), needs));
-    const columns::BandColumns columns = columns_of(band, rows);
+    const BandOfRows shared(band, rows, metrics);
     for (std::size_t r = 0; r < rows.size(); ++r)
-        measure_row({rows[r], metrics, nullptr, group}, {band, inputs.at(rows[r].format.name), columns}, *summaries[r]);
+        measure_row({rows[r], metrics, {}, group}, shared.of(rows[r]), *summaries[r]);
 }
 
 /// Rows on the rays of one group, into the summaries of the same places.
@@ -257,20 +247,16 @@ namespace {
 /// Rows over the pixels of a scene whose rays are made as it says, into the summaries and sinks of their places.
 void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const EvaluationRequest& request,
               const std::vector<EvaluationSink*>& sinks, std::vector<FormSummary>& summaries) {
-    const auto formats = needs_by_format(some.rows, request.metrics);
     culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
         if (request.stages) *request.stages += band.stages();
-        if (needs_of(request.metrics) & metric::needs_condition) band.find_condition();
-        std::map<std::string, FormatInputs> inputs;
-        for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
-        const columns::BandColumns columns = columns_of(band, some.rows);
+        const BandOfRows shared(band, some.rows, request.metrics);
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
             const TestedForm& row = some.rows[k];
             const std::size_t r = some.places[k];
-            measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr},
-                        {band, inputs.at(row.format.name), columns}, summaries[r]);
+            measure_row({row, request.metrics, shown_to(r < sinks.size() ? sinks[r] : nullptr)}, shared.of(row),
+                        summaries[r]);
             request.progress(band.pixels());
         });
     }

@@ -117,11 +117,18 @@ public:
     virtual void band(const BandResult& result) = 0;
 };
 
-/// What one row is to be measured by, and who is shown it band by band (may be null).
+/// Is shown a row band by band; may be empty.
+using Show = std::function<void(const BandResult&)>;
+/// By whom; null: nobody.
+inline Show shown_to(EvaluationSink* sink) {
+    return sink ? Show([sink](const BandResult& result) { sink->band(result); }) : Show();
+}
+
+/// What one row is to be measured by, and who is shown it.
 struct RowRequest {
     const TestedForm& row;
     const std::vector<const metric::Metric*>& metrics;
-    EvaluationSink* sink = nullptr;
+    Show show = {};
     int group = 0;           ///< of a sweep or case, for the rays that the summary names
     std::int64_t first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
     /// What was answered, where a file has it and no form can be asked; null: the form is asked.

@@ -287,7 +287,7 @@ void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summ
                       .metrics = std::move(room.metrics)};
     const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
     Measurement(request, truth, result, room).measure(summary, parts);
-    if (request.sink) request.sink->band(result);
+    if (request.show) request.show(result);
     room.outcomes = std::move(result.outcomes);
     room.metrics = std::move(result.metrics);
     kept = std::move(room);

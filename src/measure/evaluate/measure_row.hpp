@@ -19,12 +19,21 @@ struct RowBand {
     const columns::BandColumns& columns;  ///< found for the row's convention and unit
 };
 
-/// The truth of a band in the units and by the conventions of the rows.
-columns::BandColumns columns_of(const truth::Band& band, const std::vector<TestedForm>& rows);
+/// What rows are given of a band, which outlives this, to be measured by some metrics: the inputs of each format, and
+/// the truth in the units and by the conventions of the rows.
+class BandOfRows {
+public:
+    /// κ of the band's hits is found too, where a metric needs it.
+    BandOfRows(truth::Band& band, const std::vector<TestedForm>& rows,
+               const std::vector<const metric::Metric*>& metrics);
 
-/// What the rows and metrics need of a band's inputs, by the names of the formats.
-std::map<std::string, truth::BandNeeds> needs_by_format(const std::vector<TestedForm>& rows,
-                                                        const std::vector<const metric::Metric*>& metrics);
+    [[nodiscard]] RowBand of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
+
+private:
+    const truth::Band& band_;
+    std::map<std::string, truth::FormatInputs> inputs_;
+    columns::BandColumns columns_;
+};
 
 /// Some rays of a band, by their places and rising, that are summed up by themselves too.
 struct BandPart {

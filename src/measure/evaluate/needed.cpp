@@ -25,13 +25,11 @@ FormatInputs only(const FormatInputs& all, const intersect::Info& info, const st
     FormatInputs some{.format = all.format, .solids = all.solids, .march = all.march, .stop = all.stop};
     const scene::rays::RayBlock& from = all.rays_for(info);
     scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
-    const auto gather = [&pixels](const std::vector<double>& x) {
-        std::vector<double> y(pixels.size());
-        for (std::size_t k = 0; k < pixels.size(); ++k) y[k] = x[pixels[k]];
-        return y;
-    };
-    to.ox = gather(from.ox), to.oy = gather(from.oy), to.oz = gather(from.oz);
-    to.dx = gather(from.dx), to.dy = gather(from.dy), to.dz = gather(from.dz);
+    for (std::size_t c = 0; c < to.numbers().size(); ++c) {
+        to.numbers()[c]->resize(pixels.size());
+        std::ranges::transform(pixels, to.numbers()[c]->begin(),
+                               [&x = *from.numbers()[c]](std::uint32_t i) { return x[i]; });
+    }
     if (all.candidates) some.candidates = std::make_shared<culling::CandidateLists>(*all.candidates, pixels);
     return some;
 }

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <memory>
 
 #include "intersect/process/parallel.hpp"
@@ -36,8 +35,7 @@ struct Piece {
     std::exception_ptr fault = {};  ///< of the reading: it is thrown in the order of the file
     Chunk chunk = {};
     std::unique_ptr<Band> band = {};
-    std::map<std::string, FormatInputs> inputs = {};
-    std::optional<columns::BandColumns> columns = {};
+    std::optional<evaluate::BandOfRows> shared = {};
     answer::Answers answers = {};
 };
 
@@ -59,24 +57,10 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
 
-class PieceSink final : public evaluate::EvaluationSink {
-public:
-    PieceSink(const Chunk& chunk, JudgeSink& sink) : chunk_(chunk), sink_(sink) {}
-    void band(const evaluate::BandResult& result) override { sink_.piece(chunk_, result); }
-
-private:
-    const Chunk& chunk_;
-    JudgeSink& sink_;
-};
-
 class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
-        : dump_(dump),
-          request_(request),
-          sinks_(sinks),
-          needs_(evaluate::needs_by_format(request.rows, request.metrics)),
-          file_(request.file_place()) {
+        : dump_(dump), request_(request), sinks_(sinks), file_(request.file_place()) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
@@ -155,10 +139,7 @@ private:
         group.solids = group.paired ? chunk.solids : request_.solids;
         group.march = request_.march;
         piece.band = std::make_unique<Band>(std::move(group), request_.limit);
-        if (evaluate::needs_of(request_.metrics) & metric::needs_condition) piece.band->find_condition();
-        for (const auto& [name, needs] : needs_)
-            piece.inputs.emplace(name, piece.band->inputs(*find_format(name), needs));
-        piece.columns.emplace(evaluate::columns_of(*piece.band, request_.rows));
+        piece.shared.emplace(*piece.band, request_.rows, request_.metrics);
         if (file_) piece.answers = answers_of(piece);
     }
 
@@ -213,17 +194,17 @@ private:
         const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const TestedForm& row = request_.rows[r];
-            std::optional<PieceSink> sink;
-            if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
+            evaluate::Show show;
+            if (JudgeSink* const sink = r < sinks_.size() ? sinks_[r] : nullptr)
+                show = [&chunk, sink](const evaluate::BandResult& result) { sink->piece(chunk, result); };
             std::vector<evaluate::BandPart> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             evaluate::measure_row({.row = row,
                                    .metrics = request_.metrics,
-                                   .sink = sink ? &*sink : nullptr,
+                                   .show = show,
                                    .first = first,
                                    .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
-                                  {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r],
-                                  parts);
+                                  piece.shared->of(row), result_.summaries[r], parts);
         });
         if (file_) keep_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
@@ -244,7 +225,7 @@ private:
 
     void keep_first(const Piece& piece) {
         const TestedForm& row = file_row();
-        const FormatInputs& in = piece.inputs.at(row.format.name);
+        const FormatInputs& in = piece.shared->of(row).inputs;
         const bool unit = row.form->info->direction == intersect::Direction::unit;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
             const truth::Truth truth = piece.band->truth(i, row.convention());
@@ -260,7 +241,6 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const std::vector<JudgeSink*>& sinks_;
-    std::map<std::string, truth::BandNeeds> needs_;
     std::optional<std::size_t> file_;  ///< the place of its row
     std::uint64_t read_ = 0;           ///< pieces
     bool failed_ = false;

@@ -93,20 +93,18 @@ class Judge::Part {
 public:
     Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
         : band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)), request.limit, &culler),
-          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(evaluate::columns_of(band, {request.row})) {}
+          row_(request.row),
+          shared_(band, {row_}, request.wish.metrics()) {}
     Part(const MendRequest& request, const scene::rays::RayGroup& rays)
-        : band(rays, request.limit),
-          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(evaluate::columns_of(band, {request.row})) {}
+        : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.wish.metrics()) {}
 
-    [[nodiscard]] evaluate::RowBand rows() const { return {band, inputs_, columns_}; }
+    [[nodiscard]] evaluate::RowBand rows() const { return shared_.of(row_); }
 
-    const truth::Band band;
+    truth::Band band;
 
 private:
-    truth::FormatInputs inputs_;
-    columns::BandColumns columns_;
+    const TestedForm& row_;
+    evaluate::BandOfRows shared_;
 };
 
 Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request), scene_(scene) {
@@ -146,7 +144,7 @@ std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest asked{rows[r], metrics, sinks.empty() ? nullptr : sinks[r]};
+            evaluate::RowRequest asked{rows[r], metrics, evaluate::shown_to(sinks.empty() ? nullptr : sinks[r])};
             if (among) asked.answers = &*among;
             measure_row(asked, part.rows(), summaries[r]);
         });

@@ -30,21 +30,6 @@ std::vector<double> along_axis(std::vector<double> numbers) {
     return numbers;
 }
 
-/// At most so many of the rays, evenly.
-scene::rays::RayGroup some_of(const scene::rays::RayGroup& all, int rays) {
-    const std::size_t step = (all.rays.size() + static_cast<std::size_t>(rays) - 1) / static_cast<std::size_t>(rays);
-    scene::rays::RayGroup some{.rays = {}, .solids = all.paired ? std::vector<Solid<double>>() : all.solids};
-    some.paired = all.paired;
-    for (std::size_t i = 0; i < all.rays.size(); i += step) {
-        some.rays.push(all.rays[i]);
-        some.rays.push_range(all.rays, i);
-        if (all.paired) some.solids.push_back(all.solids[i]);
-    }
-    some.rays.width = static_cast<int>(some.rays.size());
-    some.rays.y1 = 1;
-    return some;
-}
-
 struct Candidate {
     TapeOutputs outputs;
     std::vector<const Rule*> rules = {};
@@ -194,9 +179,10 @@ RaySample::RaySample(const MendRequest& request, int rays) {
     const evaluate::TestedForm& row = request.row;
     std::optional<scene::file::Scene> thin;
     if (request.scene) thin = choice::thinned(*request.scene, rays);
-    const truth::Band band = thin ? truth::Band(*thin, 0, thin->height, request.limit)
-                                  : truth::Band(some_of(request.rays->sample, rays), request.limit);
-    const auto inputs = band.inputs(row.format, choice::needs_of(row));
+    const truth::Band band =
+        thin ? truth::Band(*thin, 0, thin->height, request.limit)
+             : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
+    const auto inputs = band.inputs_for(row.format, *row.form->info);
     const auto& own = inputs.rays_for(*row.form->info);
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {

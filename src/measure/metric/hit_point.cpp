@@ -12,6 +12,7 @@
 #include "number/rounded.hpp"
 #include "number/tape.hpp"
 #include "shapes/box/forms/slab.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -183,7 +184,7 @@ double normal_error(const Sample& s) {
     const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     const Vec<Real> exact = normal_at(ray, lift_solid<Real>(*s.solid), Vec<Real>(ray.origin + t_true * ray.direction));
     return in_format(s, [&]<class F>() {
-        const Solid<F> solid = transformed(*s.solid, [](double x) { return static_cast<F>(x); });
+        const Solid<F> solid = lift_solid<F>(*s.solid);
         const Ray<F> given{stored<F>(s.ray->origin), stored<F>(s.ray->direction)};
         const Vec<Real> n = normal_at(given, solid, stored<F>(hit_point(s)));
         if (!(dot(n, n) > 0)) return HUGE_VAL;

@@ -6,10 +6,12 @@
 
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
+#include "measure/answer/chunk.hpp"
 #include "measure/offset/ball_of.hpp"
 #include "measure/offset/half_line.hpp"
 #include "measure/offset/smallest.hpp"
 #include "measure/truth/unit_direction.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -24,14 +26,6 @@ struct StoredAs<RoundedAny> {
     using type = double;
 };
 
-template <class T>
-Vec<T> lifted(const Vec<double>& v) {
-    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-}
-template <class T>
-Vec<double> dropped(const Vec<T>& v) {
-    return {as_double(v.x), as_double(v.y), as_double(v.z)};
-}
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
@@ -63,23 +57,22 @@ public:
     using S = typename StoredAs<T>::type;
 
     TypedPoint(const PointWork& work, const MetPoint& met) : work_(work), met_(met) {
-        const Ray<T> ray{lifted<T>(met.ray.origin), lifted<T>(met.ray.direction)};
+        const Ray<T> ray = lift_ray<T>(met.ray);
         const T t = static_cast<T>(met.t);
-        const auto lift = [](double x) { return static_cast<T>(x); };
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
-        Leaving<T> found{ray, t, transformed(own(), lift), {}, there, there, there, T(1), T(1)};
+        Leaving<T> found{ray, t, lift_solid<T>(own()), {}, there, there, there, T(1), T(1)};
         if (found.solid.placed) put_object_point(found);
         else put_point(found.ray, found.solid, found.p, found.n);
         leaving_.emplace(std::move(found));
         const Vec<T>& p = leaving_->p;
-        p_ = dropped(p);
-        n_ = dropped(leaving_->n);
+        p_ = as_doubles(p);
+        n_ = as_doubles(leaving_->n);
         const T infinite = T(1) / T(0);
         std::optional<Vec<T>> light;
-        if (work.light_) light = lifted<T>(*work.light_);
+        if (work.light_) light = lift_vec<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
         for (const Departure<T>& way : ways_from<T>(ray, p, leaving_->n, infinite, light)) {
-            if (is_finite(dropped(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
+            if (is_finite(as_doubles(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
         }
     }
 
@@ -96,7 +89,7 @@ public:
             leaving.side = way.side;
             leaving.reach = way.reach;
             const Respawn<T> r = strategy.respawn<T>(leaving);
-            all.push_back({.ray = {dropped(r.origin), dropped(way.w)},
+            all.push_back({.ray = {as_doubles(r.origin), as_doubles(way.w)},
                            .tmin = as_double(r.tmin),
                            .tmax = as_double(r.tmax),
                            .asks_own = r.asks_own});
@@ -108,11 +101,11 @@ public:
 
     [[nodiscard]] Enough judge(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
-        const Vec<double> origin = dropped(moved<T>(leaving_->p, signed_e, leaving_->n));
+        const Vec<double> origin = as_doubles(moved<T>(leaving_->p, signed_e, leaving_->n));
         if (!is_finite(origin)) return Enough::too_much;
         std::vector<NewRay> all;
         for (const Departure<T>& way : ways(side)) {
-            const Ray<double> ray{origin, dropped(way.w)};
+            const Ray<double> ray{origin, as_doubles(way.w)};
             const Meeting met = find_meeting({ray, 0}, own());
             if (side == Side::outside) {
                 if (met.meets) return Enough::too_little;
@@ -205,26 +198,17 @@ private:
     }
 
     void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
-        const std::size_t n = all.size();
         const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(own().shape).info;
-        std::array<std::vector<S>, 6> numbers;
+        scene::rays::RayBlock rays;
         for (const NewRay& r : all) {
-            Vec<double> w = r.ray.direction;
-            if (info.direction == intersect::Direction::unit && is_finite(w))
-                w = truth::unit_direction(w, work_.row_.format.parameters);
-            for (int i = 0; i < 3; ++i) {
-                numbers[static_cast<std::size_t>(i)].push_back(static_cast<S>(r.ray.origin[i]));
-                numbers[static_cast<std::size_t>(i) + 3].push_back(static_cast<S>(w[i]));
-            }
+            const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
+            rays.push({r.ray.origin, is_made_unit ? truth::unit_direction(r.ray.direction, work_.row_.format.parameters)
+                                                  : r.ray.direction});
         }
-        std::vector<S> t(n), near(n), far(n);
-        std::vector<std::uint8_t> hit(n);
-        const auto& [ox, oy, oz, dx, dy, dz] = numbers;
-        const Solid<S> solid = transformed(own(), [](double x) { return static_cast<S>(x); });
-        const intersect::table::RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
-        const intersect::table::HitBatch<S> answers{t, near, far, hit};
-        ask(batch, solid, answers);
-        for (std::size_t k = 0; k < n; ++k) {
+        answer::KernelRoom<S> room(rays);
+        const auto& [t, near, far, hit] = static_cast<const answer::AnswerRoom<S>&>(room);
+        ask(room.rays(), lift_solid<S>(own()), room.hits());
+        for (std::size_t k = 0; k < all.size(); ++k) {
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
             const double first = hit[k] == 0 ? truth::missing : first_told(told, r, {t[k], near[k], far[k]});

@@ -26,7 +26,7 @@ public:
     RowBand(const OffsetRequest& request, const OffsetRow& row, const Band& band)
         : request_(request),
           row_(row),
-          inputs_(band.inputs(row.row.format, {.unit_rays = is_unit(row), .own_truth = false})),
+          inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
           solids_(inputs_.solids.all()),
           answers_(answer::evaluate(*row.row.form, inputs_)),
           work_(row_.row, row_.point, solids_, light(), request.strategies),
@@ -71,7 +71,6 @@ public:
     }
 
 private:
-    static bool is_unit(const OffsetRow& row) { return row.row.form->info->direction == intersect::Direction::unit; }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!request_.scene->appearance.light) return std::nullopt;
         return picture::input_appearance(*request_.scene, row_.row.format.parameters).light;

@@ -4,18 +4,10 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
+#include "measure/answer/chunk.hpp"
 
 namespace lostbits::measure::picture {
 namespace {
-
-template <class S>
-std::vector<S> stored(const std::vector<double>& x, std::size_t begin, std::size_t count) {
-    std::vector<S> y(count);
-    std::transform(x.begin() + static_cast<std::ptrdiff_t>(begin),
-                   x.begin() + static_cast<std::ptrdiff_t>(begin + count), y.begin(),
-                   [](double v) { return static_cast<S>(v); });
-    return y;
-}
 
 struct Part {
     std::size_t begin, count;
@@ -27,22 +19,14 @@ template <class S, class Kernel>
 void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
                      const Part& part, std::vector<std::uint8_t>& blocked) {
     const auto [begin, count, own_counts] = part;
-    const scene::rays::RayBlock& r = shadow.rays;
-    const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count),
-               oz = stored<S>(r.oz, begin, count);
-    const auto dx = stored<S>(r.dx, begin, count), dy = stored<S>(r.dy, begin, count),
-               dz = stored<S>(r.dz, begin, count);
-    const intersect::table::RayBatch<S> batch{ox, oy, oz, dx, dy, dz};
-    std::vector<S> t(count), near(count), far(count);
-    std::vector<std::uint8_t> hit(count);
+    answer::KernelRoom<S> room(shadow.rays, begin, count);
     for (std::size_t s = 0; s < solids.size(); ++s) {
-        kernel(batch, transformed(solids[s], [](double x) { return static_cast<S>(x); }),
-               intersect::table::HitBatch<S>{t, near, far, hit});
+        kernel(room.rays(), lift_solid<S>(solids[s]), room.hits());
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t p = begin + i;
             const bool own = shadow.own[p] == static_cast<std::int32_t>(s);
-            if (hit[i] == 0 || (own && !own_counts)) continue;
-            const auto at = static_cast<double>(t[i]);
+            if (room.hit[i] == 0 || (own && !own_counts)) continue;
+            const auto at = static_cast<double>(room.t[i]);
             if (at > 0 && at < shadow.reach[p]) blocked[p] |= own ? blocked_by_own : blocked_by_other;
         }
     }
@@ -51,12 +35,7 @@ void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<c
 }  // namespace
 
 void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, double light_t, std::int32_t leaves) {
-    rays.ox.push_back(origin.x);
-    rays.oy.push_back(origin.y);
-    rays.oz.push_back(origin.z);
-    rays.dx.push_back(direction.x);
-    rays.dy.push_back(direction.y);
-    rays.dz.push_back(direction.z);
+    rays.push({origin, direction});
     reach.push_back(light_t);
     own.push_back(leaves);
 }

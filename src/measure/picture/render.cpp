@@ -11,6 +11,7 @@
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/with_number.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -21,20 +22,6 @@ using truth::missing;
 using truth::Truth;
 
 namespace {
-
-template <class T>
-Vec<double> drop(const Vec<T>& v) {
-    return {as_double(v.x), as_double(v.y), as_double(v.z)};
-}
-
-template <class T>
-T lift_number(double x) {
-    return static_cast<T>(x);
-}
-template <class T>
-Vec<T> lift_number(const Vec<double>& v) {
-    return lifted(v, [](double x) { return lift_number<T>(x); });
-}
 
 /// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
 template <class Work>
@@ -143,13 +130,12 @@ private:
             out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
             if (!hit(i)) return;
             const Ray<double> ray = rays_[i];
-            const Vec<T> p =
-                point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
+            const Vec<T> p = point_at<T>(lift_ray<T>(ray), static_cast<T>(answers_.t[i]));
             const Solid<double> seen = solid(i);
-            const auto lifted_solid = transformed(seen, [](double x) { return lift_number<T>(x); });
-            point_[i] = drop(p);
-            normal_[i] = drop(seen.placed ? normal_under_matrix<T>(lifted_solid, ray, answers_.t[i])
-                                          : normal_at<T>(p, lifted_solid.sphere()));
+            const auto lifted_solid = lift_solid<T>(seen);
+            point_[i] = as_doubles(p);
+            normal_[i] = as_doubles(seen.placed ? normal_under_matrix<T>(lifted_solid, ray, answers_.t[i])
+                                                : normal_at<T>(p, lifted_solid.sphere()));
             if (out_.seen[i] != Seen::same_sphere) return;
             out_.residual[i] =
                 std::fabs(residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &seen}));
@@ -164,9 +150,9 @@ private:
         const auto& steps = intersect::space::steps_in<T>(
             *intersect::space::made_of(intersect::hull::within_boxes(row_.form->of(solid.shape))).space);
         const auto maps = steps.maps(*solid.placed);
-        const auto in = steps.to_object(maps, {lift_number<T>(ray.origin), lift_number<T>(ray.direction)});
+        const auto in = steps.to_object(maps, lift_ray<T>(ray));
         const Vec<T> p =
-            point_at<T>({in.ray.origin / in.scale, in.ray.direction / in.scale}, lift_number<T>(t) * in.length);
+            point_at<T>({in.ray.origin / in.scale, in.ray.direction / in.scale}, static_cast<T>(t) * in.length);
         const T sign = as_double(in.scale) == 1 || solid.placed->orientation > 0 ? T(1) : T(-1);
         return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, solid.sphere())));
     }
@@ -181,13 +167,13 @@ private:
     template <class T>
     [[nodiscard]] Cast towards_light(std::size_t i) const {
         const auto& rule = *appearance_.shadows;
-        const Vec<T> light = lift_number<T>(in_.look.light);
-        Vec<T> start = hit(i) ? lift_number<T>(point_[i]) : lift_number<T>(in_.points[i]);
+        const Vec<T> light = lift_vec<T>(in_.look.light);
+        Vec<T> start = hit(i) ? lift_vec<T>(point_[i]) : lift_vec<T>(in_.points[i]);
         if (hit(i) && rule.own)
-            start = shadow_origin<T>(start, lift_number<T>(normal_[i]), rule.offset, lift_number<T>(in_.look.epsilon),
+            start = shadow_origin<T>(start, lift_vec<T>(normal_[i]), rule.offset, static_cast<T>(in_.look.epsilon),
                                      rule.ulps);
         const Vec<T> way = light - start;
-        Cast cast{drop(start), drop(way), 1};
+        Cast cast{as_doubles(start), as_doubles(way), 1};
         if (unit() && is_finite(cast.direction)) {
             cast.reach = as_double(length(way));
             cast.direction = truth::unit_direction(cast.direction, row_.format.parameters);
@@ -226,7 +212,7 @@ private:
         for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
             Painted& p = picture[i];
             if (hit(i) && std::isnan(answers_.t[i])) p.colour = Vec<double>(missing, missing, missing);
-            else p.colour = drop(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
+            else p.colour = as_doubles(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
             const TrueColour& truth = truth_[i].colours[static_cast<std::size_t>(stage)];
             p.error = truth.certain ? 0 : missing;
             for (int k = 0; k < 3; ++k) {
@@ -240,19 +226,18 @@ private:
 
     template <class T>
     [[nodiscard]] Vec<T> surface(const ShadeRule& rule, std::size_t i) const {
-        const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])],
-                                      [](double x) { return lift_number<T>(x); });
-        const Vec<T> p = lift_number<T>(point_[i]);
+        const Paint<T> paint = lifted(in_.look.paints[static_cast<std::size_t>(answers_.object[i])], lift<T, double>);
+        const Vec<T> p = lift_vec<T>(point_[i]);
         return shade<T>(paint, rule, blocked_[i] != blocked_by_nothing,
-                        {lift_number<T>(normal_[i]), unit_of<T>(lift_number<T>(in_.look.light) - p),
-                         unit_of<T>(lift_number<T>(rays_[i].origin) - p)});
+                        {lift_vec<T>(normal_[i]), unit_of<T>(lift_vec<T>(in_.look.light) - p),
+                         unit_of<T>(lift_vec<T>(rays_[i].origin) - p)});
     }
 
     template <class T>
     [[nodiscard]] Vec<T> background(const ShadeRule& rule, std::size_t i) const {
-        const Vec<T> full = lift_number<T>(in_.look.background);
+        const Vec<T> full = lift_vec<T>(in_.look.background);
         if (!rule.shadows || blocked_[i] == blocked_by_nothing) return full;
-        const T factor = lift_number<T>(in_.look.shadow_on_background);
+        const T factor = static_cast<T>(in_.look.shadow_on_background);
         return Vec<T>(factor * full.x, factor * full.y, factor * full.z);
     }
 

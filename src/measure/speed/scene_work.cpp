@@ -6,11 +6,11 @@
 #include <optional>
 #include <tuple>
 
+#include "measure/answer/chunk.hpp"
+
 namespace lostbits::measure::speed {
 
 using intersect::Target;
-using intersect::table::HitBatch;
-using intersect::table::RayBatch;
 using scene::file::Scene;
 
 namespace {
@@ -64,24 +64,11 @@ std::vector<std::size_t> solids_to_time(const std::map<int, std::size_t>& hits, 
 /// Rays of a format in columns, room for the answers, and the solids.
 template <class S>
 struct SceneWork::Store {
-    std::array<std::vector<S>, 6> in;
-    std::array<std::vector<S>, 3> out;
-    std::vector<std::uint8_t> hit;
-    std::vector<Solid<S>> solids;
+    answer::KernelRoom<S> room;
+    std::vector<Solid<S>> solids = {};
 
-    Store(const scene::rays::RayBlock& rays, const std::vector<Solid<double>>& wide) {
-        const auto narrow = [](double x) { return static_cast<S>(x); };
-        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
-        for (std::size_t c = 0; c < from.size(); ++c)
-            std::ranges::transform(*from[c], std::back_inserter(in[c]), narrow);
-        for (auto& column : out) column.resize(rays.size());
-        hit.resize(rays.size());
-        for (const Solid<double>& solid : wide) solids.push_back(transformed(solid, narrow));
-    }
     void run(const intersect::table::Kernel<S>& kernel) {
-        for (const Solid<S>& solid : solids)
-            kernel(RayBatch<S>{in[0], in[1], in[2], in[3], in[4], in[5]}, Target<S>(solid),
-                   HitBatch<S>{out[0], out[1], out[2], hit});
+        for (const Solid<S>& solid : solids) kernel(room.rays(), Target<S>(solid), room.hits());
     }
 };
 
@@ -127,10 +114,9 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     auto& made = stores[unit ? 1 : 0];
     if (!made) {
-        const truth::FormatInputs inputs = band_.inputs(row.format, {.unit_rays = unit, .own_truth = false});
-        std::vector<Solid<double>> solids;
-        for (const std::size_t s : solids_) solids.push_back(inputs.solids[s]);
-        made = std::make_shared<Store<S>>(inputs.rays_for(*row.form->info), solids);
+        const truth::FormatInputs inputs = band_.inputs_for(row.format, *row.form->info);
+        made = std::make_shared<Store<S>>(Store<S>{answer::KernelRoom<S>(inputs.rays_for(*row.form->info))});
+        for (const std::size_t s : solids_) made->solids.push_back(lift_solid<S>(inputs.solids[s]));
     }
     return made;
 }

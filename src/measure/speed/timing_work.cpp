@@ -7,6 +7,7 @@
 
 #include "measure/truth/unit_direction.hpp"
 #include "scene/sweep/families.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::speed {
 
@@ -58,7 +59,7 @@ RayPool ray_pool(Shape shape) {
 
 template <class S>
 RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed)
-    : solid_(transformed(pool.solid, [](double x) { return static_cast<S>(x); })),
+    : solid_(lift_solid<S>(pool.solid)),
       rays_(std::max(bytes / bytes_per_ray / whole, std::size_t{1}) * whole),
       slice_(slice == 0 ? rays_ : std::min(rays_, (slice + whole - 1) / whole * whole)) {
     constexpr std::size_t line = 64, stagger = 5 * line;

@@ -7,6 +7,7 @@
 
 #include "intersect/simd/variants.hpp"
 #include "measure/speed/scene_work.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::speed {
 
@@ -98,7 +99,7 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
-    const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
+    const Solid<float> solid = lift_solid<float>(pool.solid);
     const Ray<float> ray{narrow(hit.origin), narrow(hit.direction)};
     for (const TradeKernel& k : request.kernels) {
         // Not of the kernel's own row: that of other compiler flags is the same formula, and has no counts.

@@ -27,12 +27,11 @@ public:
           group_(of.request.sweep->group_over(of.ray, of.floats)),
           culler_(culler_of(group_)),
           band_(group_, of.request.limit, culler_ ? &*culler_ : nullptr),
-          inputs_(band_.inputs(rows_.front().format, {.unit_rays = any_unit(rows_), .own_truth = false})),
-          truths_(evaluate::columns_of(band_, rows_)) {}
+          shared_(band_, rows_, measured()) {}
 
-    void measure(std::size_t row, evaluate::EvaluationSink& sink) const {
+    void measure(std::size_t row, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured());
-        evaluate::measure_row({rows_[row], measured(), &sink}, {band_, inputs_, truths_}, summary);
+        evaluate::measure_row({rows_[row], measured(), show}, shared_.of(rows_[row]), summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -41,51 +40,12 @@ private:
         if (!group.mesh) return std::nullopt;
         return culling::Culler(scene::rays::solid_list_of(group), group.rays);
     }
-    static bool any_unit(const std::vector<TestedForm>& rows) {
-        return std::ranges::any_of(
-            rows, [](const TestedForm& row) { return row.form->info->direction == intersect::Direction::unit; });
-    }
 
     const std::vector<TestedForm>& rows_;
     scene::rays::RayGroup group_;
     std::optional<culling::Culler> culler_;
     truth::Band band_;
-    truth::FormatInputs inputs_;
-    columns::BandColumns truths_;
-};
-
-/// Adds up what a row does, float by float in their order.
-class TallySink final : public evaluate::EvaluationSink {
-public:
-    explicit TallySink(const scene::sweep::FloatRange& floats) : floats_(floats) {}
-
-    void band(const evaluate::BandResult& result) override {
-        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-            const bool both_hit = result.outcomes[i] == Outcome::agree_hit;
-            tally.add(floats_.at(i), result.outcomes[i], both_hit ? result.metrics.front()[i] : truth::missing);
-        }
-    }
-    FloatTally tally;
-
-private:
-    const scene::sweep::FloatRange& floats_;
-};
-
-/// The answer at the only float.
-class OneAnswer final : public evaluate::EvaluationSink {
-public:
-    explicit OneAnswer(intersect::Direction unit_of) : unit_of_(unit_of) {}
-    void band(const evaluate::BandResult& result) override {
-        found.outcome = result.outcomes.front();
-        if (result.answers->hit.front() != 0) found.t = result.answers->t.front();
-        if (result.truth(0).is_hit())
-            found.truth = result.band->rounded_truth(0, binary64, unit_of_, result.convention);
-        if (found.outcome == Outcome::agree_hit) found.ulps = result.metrics.front().front();
-    }
-    FloatAnswer found;
-
-private:
-    intersect::Direction unit_of_;
+    evaluate::BandOfRows shared_;
 };
 
 }  // namespace
@@ -95,17 +55,28 @@ std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCo
     stages += band.stages();
     std::vector<FloatTally> tallies;
     for (std::size_t row = 0; row < of.request.rows.size(); ++row) {
-        TallySink sink(of.floats);
-        band.measure(row, sink);
-        tallies.push_back(sink.tally);
+        FloatTally& tally = tallies.emplace_back();
+        band.measure(row, [&](const evaluate::BandResult& result) {
+            for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+                const bool both_hit = result.outcomes[i] == Outcome::agree_hit;
+                tally.add(of.floats.at(i), result.outcomes[i], both_hit ? result.metrics.front()[i] : truth::missing);
+            }
+        });
     }
     return tallies;
 }
 
 FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place) {
-    OneAnswer answer(request.rows[row].form->info->direction);
-    FloatBand({request, ray, {place, place}}).measure(row, answer);
-    return answer.found;
+    FloatAnswer found;
+    FloatBand({request, ray, {place, place}}).measure(row, [&](const evaluate::BandResult& result) {
+        found.outcome = result.outcomes.front();
+        if (result.answers->hit.front() != 0) found.t = result.answers->t.front();
+        if (result.truth(0).is_hit())
+            found.truth =
+                result.band->rounded_truth(0, binary64, request.rows[row].form->info->direction, result.convention);
+        if (found.outcome == Outcome::agree_hit) found.ulps = result.metrics.front().front();
+    });
+    return found;
 }
 
 }  // namespace lostbits::measure::sweep

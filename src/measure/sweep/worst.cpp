@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "intersect/process/parallel.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -37,12 +38,12 @@ struct Place {
     }
 };
 
-/// What the sink of one litter remembers: the worst of it.
-class Judge final : public evaluate::EvaluationSink {
+/// What is remembered of a litter: the worst of it.
+class Judge {
 public:
     Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
         : metric_(metric), unit_of_(unit_of), file_(file) {}
-    void band(const evaluate::BandResult& result) override {
+    void look_at(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
@@ -234,17 +235,14 @@ private:
     Judge judged(const std::vector<Place>& places) {
         scene::rays::RayBlock rays;
         for (const Place& p : places) rays.push(p.ray());
-        rays.width = static_cast<int>(places.size());
-        rays.y1 = 1;
+        rays.be_list();
         evaluations_ += places.size();
         truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
-        const unsigned needs = evaluate::needs_of(request_.metrics);
-        if (needs & metric::needs_condition) band.find_condition();
-        const auto inputs = band.inputs(
-            row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
+        const evaluate::BandOfRows shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
-        evaluate::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, request_.metrics, [&judge](const auto& result) { judge.look_at(result); }},
+                              shared.of(row_), summary);
         return judge;
     }
 

@@ -28,9 +28,8 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
     };
-    for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
-                            &group.rays.dz, &group.rays.tmin, &group.rays.tmax})
-        std::ranges::for_each(*all, look);
+    for (const auto* all : group.rays.numbers()) std::ranges::for_each(*all, look);
+    for (const auto* all : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*all, look);
     for (const Solid<double>& solid : group.solids) static_cast<void>(transformed(solid, look));
     if (group.march) transformed(*group.march, look);
     return fits;

@@ -47,6 +47,10 @@ public:
                                const FormatInputs& of, Perturbed perturbed = Perturbed::componentwise) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
+    /// What a form alone needs of them.
+    [[nodiscard]] FormatInputs inputs_for(const Format& format, const intersect::Info& form) const {
+        return inputs(format, {.unit_rays = form.direction == intersect::Direction::unit});
+    }
     /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded
     /// none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;

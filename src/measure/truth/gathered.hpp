@@ -30,7 +30,7 @@ template <class S>
 class WordColumns {
 public:
     WordColumns(const scene::rays::BasicRayBlock<S>& rays, std::size_t begin, std::size_t end) {
-        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+        const auto from = rays.numbers();
         for (std::size_t k = 0; k < from.size(); ++k) {
             const std::span<const S> numbers = std::span(*from[k]).subspan(begin, end - begin);
             if constexpr (std::is_same_v<S, double>) {

@@ -32,17 +32,6 @@ std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& 
     });
 }
 
-const std::vector<Maker>& table() {
-    static const std::vector<Maker> all = [] {
-        std::vector<Maker> rows;
-        for_each_maker([&rows]<class M>() {
-            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>, record<M>});
-        });
-        return rows;
-    }();
-    return all;
-}
-
 }  // namespace
 
 std::vector<std::string> camera_number_names() {
@@ -57,11 +46,20 @@ std::vector<std::string> camera_number_names() {
     return names;
 }
 
-std::span<const Maker> makers() { return table(); }
+std::span<const Maker> makers() {
+    static const std::vector<Maker> all = [] {
+        std::vector<Maker> rows;
+        for_each_maker([&rows]<class M>() {
+            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>, record<M>});
+        });
+        return rows;
+    }();
+    return all;
+}
 
 const Maker* find_maker(std::string_view name) {
-    const auto found = std::ranges::find(table(), name, [](const Maker& m) { return m.info->name; });
-    return found == table().end() ? nullptr : &*found;
+    const auto found = std::ranges::find(makers(), name, [](const Maker& m) { return m.info->name; });
+    return found == makers().end() ? nullptr : &*found;
 }
 
 }  // namespace lostbits::scene::camera

@@ -15,7 +15,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size
     : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.solid()), decides_(layout.has_answers()) {
     if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
     rays::RayBlock& rays = chunk.rays;
-    for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz}) column->reserve(records);
+    for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
     rays.open = terms.open;

@@ -67,8 +67,7 @@ std::vector<RayGroup> draw_views(const F& family, Draw draw) {
     std::vector<RayGroup> groups;
     for (int v = 0; v < family.views; ++v) {
         groups.push_back(draw(random, family));
-        groups.back().rays.width = family.rays;
-        groups.back().rays.y1 = 1;
+        groups.back().rays.be_list();
     }
     return groups;
 }

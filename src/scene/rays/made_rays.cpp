@@ -3,6 +3,7 @@
 #include "intersect/table/joined_tapes.hpp"
 #include "number/with_number.hpp"
 #include "scene/file/stretch.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::scene::rays {
 
@@ -97,12 +98,7 @@ RayBlock MadeRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
-    make(numbers, {y0, y1}, [&block](const Ray<T>& ray) {
-        const auto in_double = [](const Vec<T>& v) {
-            return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z));
-        };
-        block.push({in_double(ray.origin), in_double(ray.direction)});
-    });
+    make(numbers, {y0, y1}, [&block](const Ray<T>& ray) { block.push(as_doubles(ray)); });
     return block;
 }
 

@@ -19,12 +19,9 @@ template <class T>
 BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     const CameraFrame<T> frame = make_frame<T>(scene);
     BasicRayBlock<T> block;
-    block.width = scene.width;
-    block.y0 = y0;
-    block.y1 = y1;
+    block.width = scene.width, block.y0 = y0, block.y1 = y1;
     const std::size_t count = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(y1 - y0);
-    for (auto* component : {&block.ox, &block.oy, &block.oz, &block.dx, &block.dy, &block.dz})
-        component->reserve(count);
+    for (auto* column : block.numbers()) column->reserve(count);
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < scene.width; ++x) block.push(ray(frame, x, y));
     }
@@ -35,19 +32,11 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
 template <class T, class Round>
 RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
     RayBlock to;
-    to.width = from.width;
-    to.y0 = from.y0;
-    to.y1 = from.y1;
-    const auto all = [&](const std::vector<T>& in, std::vector<double>& out) {
-        out.resize(in.size());
-        std::transform(in.begin(), in.end(), out.begin(), round);
-    };
-    all(from.ox, to.ox);
-    all(from.oy, to.oy);
-    all(from.oz, to.oz);
-    all(from.dx, to.dx);
-    all(from.dy, to.dy);
-    all(from.dz, to.dz);
+    to.width = from.width, to.y0 = from.y0, to.y1 = from.y1;
+    for (std::size_t k = 0; k < to.numbers().size(); ++k) {
+        to.numbers()[k]->resize(from.size());
+        std::ranges::transform(*from.numbers()[k], to.numbers()[k]->begin(), round);
+    }
     return to;
 }
 
@@ -93,9 +82,21 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
 
 RayGroup group_of(const Ray<double>& ray) {
     RayGroup group;
-    group.rays.width = group.rays.y1 = 1;
     group.rays.push(ray);
+    group.rays.be_list();
     return group;
+}
+
+RayGroup some_of(const RayGroup& all, std::size_t most) {
+    const std::size_t step = (all.rays.size() + most - 1) / most;
+    RayGroup some{.rays = {}, .solids = all.paired ? std::vector<Solid<double>>() : all.solids, .paired = all.paired};
+    for (std::size_t i = 0; i < all.rays.size(); i += step) {
+        some.rays.push(all.rays[i]);
+        some.rays.push_range(all.rays, i);
+        if (all.paired) some.solids.push_back(all.solids[i]);
+    }
+    some.rays.be_list();
+    return some;
 }
 
 RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {

@@ -1,6 +1,7 @@
 // The rays of a picture, made once and stored as the numbers that every form is given.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -48,6 +49,11 @@ struct BasicRayBlock {
         return one;
     }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
+    /// The six numbers of the rays, a column each.
+    [[nodiscard]] auto numbers() { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
+    [[nodiscard]] auto numbers() const { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
+    /// The rays are a list and no picture: one line.
+    void be_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
 };
 
 /// Numbers of a format, held in doubles.
@@ -73,6 +79,8 @@ struct RayGroup {
 
 /// A ray alone; what it is aimed at is still to be added.
 RayGroup group_of(const Ray<double>& ray);
+/// Every so many of the rays, as a list, that at most `most` are left; with its solids, but for those of meshes.
+RayGroup some_of(const RayGroup& all, std::size_t most);
 
 /// The range of the scene's rays, for all rays of a block.
 template <class T>

@@ -244,8 +244,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
         put_ends(&RaySpec::tmin, 0, group.rays.tmin);
         put_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
         group.rays.open = c.open;
-        group.rays.width = static_cast<int>(c.rays.size());
-        group.rays.y1 = 1;
+        group.rays.be_list();
         groups.push_back(std::move(group));
     }
     return groups;

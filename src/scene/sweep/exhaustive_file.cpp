@@ -239,8 +239,7 @@ rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& flo
         if (i < solids)
             group.solids.push_back(transformed(solid_at(value), [](float x) { return static_cast<double>(x); }));
     }
-    group.rays.width = static_cast<int>(floats.size());
-    group.rays.y1 = 1;
+    group.rays.be_list();
     if (told_end(solid.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
     group.paired = solids > 1;
     group.mesh = mesh;
