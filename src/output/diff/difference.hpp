@@ -85,8 +85,8 @@ struct Comparison {
 /// Compares two EXR files part by part, by name: parts that are missing, added or moved are differences. Parts are read
 /// one at a time. Of a file with several parts, what is said begins with the part's name; `names` has the channels of
 /// all parts, each once. Throws InputError.
-[[nodiscard]] Comparison compare_exr(image::ImageBackend& images, const std::filesystem::path& a,
-                                     const std::filesystem::path& b, const CompareOptions& options);
+[[nodiscard]] Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b,
+                                     const CompareOptions& options);
 
 /// Compares sizes and decoded pixels, exactly; of the options only `most` counts. Its one column is `pixel`, and its
 /// largest difference is in steps of 8 bits, the relative one as a fraction of 255.

@@ -22,8 +22,7 @@ struct PixelField {
 
 /// From `FORM.FORMAT.csv` in the folder of a map, or from the part of that name in its EXR; nothing where it has
 /// neither. InputError where the file is not one that a map writes.
-[[nodiscard]] std::optional<PixelField> read_pixels(image::ImageBackend& images, const std::filesystem::path& folder,
-                                                    const std::string& row);
+[[nodiscard]] std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row);
 
 /// Blue where the second loses fewer bits, white where both lose the same, orange where it loses more.
 [[nodiscard]] std::vector<image::Rgb8> difference_ramp();
@@ -43,7 +42,7 @@ struct DifferenceWords {
 
 /// Writes the picture. The ramp's ends are the largest difference, at least one bit. InputError where the two are not
 /// of one size.
-void draw_difference(image::ImageBackend& images, const std::filesystem::path& path, const PixelField& a,
-                     const PixelField& b, const DifferenceWords& words);
+void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
+                     const DifferenceWords& words);
 
 }  // namespace lostbits::output::diff

@@ -24,14 +24,14 @@ struct BarRange {
 /// significand is half of the ramp. Magnitudes fit the format as well (`Metric::high`). A `range` is spaced evenly, or
 /// by logarithms where the metric is.
 image::ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
-                                image::ImageBackend& backend, const std::optional<BarRange>& range = {});
+                                const std::optional<BarRange>& range = {});
 
 /// Colours of lost bits in one picture of rows in any formats: shares of the significand, so that an equal share has an
 /// equal colour, and the colours of `metric_scale` in each format. The bar is of bits where all rows have one
 /// precision, and of percent where they do not.
 class LostBitsScale {
 public:
-    LostBitsScale(std::span<const measure::evaluate::TestedForm> rows, image::ImageBackend& backend);
+    explicit LostBitsScale(std::span<const measure::evaluate::TestedForm> rows);
 
     [[nodiscard]] image::Rgb8 colour(double bits, const FloatFormat& format) const;
     [[nodiscard]] const image::ColourScale& bar() const { return bar_; }

@@ -13,7 +13,7 @@ namespace lostbits::output::map {
 
 class MetricPaint {
 public:
-    MetricPaint(const measure::metric::Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
+    MetricPaint(const measure::metric::Metric& metric, const FloatFormat& format,
                 const std::optional<BarRange>& range = {});
 
     [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }

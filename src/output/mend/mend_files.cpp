@@ -130,7 +130,7 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
                  {"catalogue", 0, plot::ink_colour},
                  {"decides more rays wrongly than wished", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    plot::write_scatter_plot(image::image_backend(), path, spec);
+    plot::write_scatter_plot(path, spec);
 }
 
 Table<FormRow> form_table() {

@@ -19,35 +19,6 @@ namespace lostbits::output::offset {
 /// `away from the solid`, `into the solid`
 [[nodiscard]] std::string in_words(measure::offset::Side side);
 
-/// The offsets of a scene on one page, and a picture each: the smallest safe offset and the strategies across; forms,
-/// formats, kinds of points and sides down.
-class OffsetPictures final : public measure::offset::OffsetSink {
-public:
-    /// Opens the sheet and, in the folder `singles`, a picture for each of its cells:
-    /// `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png`. `request` must outlive it.
-    OffsetPictures(const measure::offset::OffsetRequest& request, const std::filesystem::path& sheet,
-                   const std::filesystem::path& singles = {});
-
-    void band(std::size_t row, const measure::offset::OffsetBand& band) override {
-        files_.take(row, band, band.y0, band.is_point.size());
-    }
-    /// Draws the page and gives the files their final names.
-    void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
-
-private:
-    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
-
-    const measure::offset::OffsetRequest& request_;
-    pixel::ColumnFiles<measure::offset::OffsetBand> files_;
-};
-
-struct OffsetFilesOptions {
-    std::filesystem::path folder;               ///< of this scene; made if missing
-    bool pixels_csv = false;                    ///< also one row per pixel
-    bool singles = false;                       ///< also a picture for each cell of the sheet
-    std::vector<file::DataResource> also = {};  ///< other tables in the folder
-};
-
 struct OffsetPixel {
     const measure::offset::OffsetBand* band;
     std::size_t i;
@@ -69,19 +40,24 @@ struct StrategyRow {
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// The pictures are those of `OffsetPictures`; `<form>.<format>.<point>.csv` has one row per pixel.
+/// All offsets are on one page: the smallest safe offset and the strategies across; forms, formats, kinds of points and
+/// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells, and
+/// `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
-    OffsetFiles(const measure::offset::OffsetRequest& request, OffsetFilesOptions options);
+    /// `request` must outlive it.
+    OffsetFiles(const measure::offset::OffsetRequest& request, pixel::SceneFilesOptions options);
 
     void band(std::size_t row, const measure::offset::OffsetBand& band) override;
     void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
 
 private:
+    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
+
     const measure::offset::OffsetRequest& request_;
-    OffsetFilesOptions options_;
+    pixel::SceneFilesOptions options_;
     table::TableFile<StrategyRow> table_;
-    OffsetPictures pictures_;
+    pixel::ColumnFiles<measure::offset::OffsetBand> pictures_;
     std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
 };
 

@@ -14,12 +14,6 @@
 
 namespace lostbits::output::picture {
 
-struct RenderFilesOptions {
-    std::filesystem::path folder;  ///< of this scene; made if missing
-    std::string command;           ///< what to type to make these files again, for the EXR header
-    bool singles = false;          ///< also each picture alone, and its difference maps
-};
-
 struct StageRow {
     scene::file::Stage stage;
     const measure::evaluate::TestedForm* row;
@@ -51,26 +45,28 @@ private:
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
-/// The pictures are those of `RenderPictures`; `<form>.<format>.exr` has what they were made of.
+/// The pictures are `render_pictures`; `<form>.<format>.exr` has what they were made of.
 class RenderFiles final : public measure::picture::RenderSink {
 public:
-    RenderFiles(const measure::picture::RenderRequest& request, RenderFilesOptions options);
+    /// `request` must outlive it.
+    RenderFiles(const measure::picture::RenderRequest& request, pixel::SceneFilesOptions options);
 
-    void reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) override {
-        pictures_.reference(y0, rows, truth);
+    void reference(int y0, int, std::span<const measure::picture::TruePixel> truth) override {
+        pictures_.take(request_.rows.size(), {nullptr, truth}, y0, truth.size());
     }
     void row(std::size_t row, const measure::picture::RenderBand& band) override {
-        pictures_.row(row, band);
-        layers_[row].write(band);
+        pictures_.take(row, {&band, {}}, band.y0, band.seen.size());
+        if (!layers_.empty()) layers_[row].write(band);
     }
     void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
     const measure::picture::RenderRequest& request_;
-    RenderFilesOptions options_;
+    pixel::SceneFilesOptions options_;
     table::TableFile<StageRow> table_;
-    RenderPictures pictures_;
-    std::vector<RenderExr> layers_;  ///< of each row
+    map::RowGrid grid_;
+    pixel::ColumnFiles<RenderStrip> pictures_;
+    std::vector<RenderExr> layers_;  ///< of each row; none beside a sheet alone
 };
 
 }  // namespace lostbits::output::picture

@@ -2,7 +2,8 @@
 // maps.
 #pragma once
 
-#include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "measure/picture/render.hpp"
@@ -25,29 +26,14 @@ struct RenderStrip {
     std::span<const measure::picture::TruePixel> truth;
 };
 
-/// On the sheet forms across, the certified picture first; stages and formats down.
-class RenderPictures final : public measure::picture::RenderSink {
-public:
-    /// Opens the sheet. In the folder `singles` `<stage>.reference.png` and `<stage>.<form>.<format>.png` are the bare
-    /// pictures, a pixel a pixel; `….colour.png` is the difference of the two, and `<form>.<format>.residual.png`,
-    /// `.normal.png`, `.shadow.png` are the differences that all stages share, the last two where a stage needs them.
-    /// `request` must outlive it.
-    RenderPictures(const measure::picture::RenderRequest& request, const std::filesystem::path& sheet,
-                   const std::filesystem::path& singles = {});
-
-    void reference(int y0, int, std::span<const measure::picture::TruePixel> truth) override {
-        files_.take(request_.rows.size(), {nullptr, truth}, y0, truth.size());
-    }
-    void row(std::size_t row, const measure::picture::RenderBand& band) override {
-        files_.take(row, {&band, {}}, band.y0, band.seen.size());
-    }
-    /// Draws the page and gives the files their final names.
-    void finish(const std::vector<measure::picture::RenderSummary>& summaries);
-
-private:
-    const measure::picture::RenderRequest& request_;
-    map::RowGrid grid_;
-    pixel::ColumnFiles<RenderStrip> files_;
-};
+/// On the sheet forms across, the certified picture first; stages and formats down. Alone, `<stage>.reference.png` and
+/// `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is the difference of the two,
+/// and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that all stages share, the last
+/// two where a stage needs them. `request` must outlive the columns.
+[[nodiscard]] pixel::ColumnFiles<RenderStrip> render_pictures(const measure::picture::RenderRequest& request,
+                                                              const map::RowGrid& grid,
+                                                              const pixel::SceneFilesOptions& options);
+/// The note under a thumbnail: what a glance should take away.
+[[nodiscard]] std::string glance(const measure::picture::RenderSummary& s);
 
 }  // namespace lostbits::output::picture

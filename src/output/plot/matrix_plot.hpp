@@ -31,6 +31,6 @@ struct MatrixPlotSpec {
 
 /// Writes the picture as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file, and
 /// std::invalid_argument for a wrong number of cells or none.
-void write_matrix_plot(image::ImageBackend& backend, const std::filesystem::path& path, const MatrixPlotSpec& spec);
+void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec);
 
 }  // namespace lostbits::output::plot

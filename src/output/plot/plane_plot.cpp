@@ -91,7 +91,7 @@ AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
 
 }  // namespace
 
-void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec) {
+void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
         throw std::invalid_argument(path.string() + ": not one cell per pair of parameters");
     }
@@ -105,14 +105,14 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);
     const AxisRange x = range_of(spec.x_axis, x_edges), y = range_of(spec.y_axis, y_edges);
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
-    const PlotAxes axes(backend, x, y, frame.width, frame.height);
-    const Canvas bar = spec.scale ? image::colour_bar(backend, *spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
+    const PlotAxes axes(x, y, frame.width, frame.height);
+    const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
     const int beside = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
     const int content = axes.left() + frame.width + 1 + beside;
-    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
+    const Canvas head = image::heading(spec.title, spec.subtitle, content);
     std::vector<image::LegendEntry> entries = spec.legend;
     if (hatched) entries.push_back({spec.none_means, hatch_paper, {}});
-    const image::Legend legend(backend, entries, content);
+    const image::Legend legend(entries, content);
     frame.x = image::style::margin + axes.left();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();
     const int foot =
@@ -141,7 +141,7 @@ void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path&
     page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
-    image::save_png(backend, path, page);
+    image::save_png(path, page);
 }
 
 }  // namespace lostbits::output::plot

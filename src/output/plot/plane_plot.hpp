@@ -36,6 +36,6 @@ struct PlanePlotSpec {
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for parameters that do not rise or have
 /// no place on their axis, a wrong number of cells, and a value without a colour scale.
-void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec);
+void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot
