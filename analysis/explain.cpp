@@ -17,7 +17,6 @@
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/ranges_text.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"

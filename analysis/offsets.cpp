@@ -11,7 +11,6 @@
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
-#include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "scene/file/scene.hpp"
 

@@ -1,11 +1,11 @@
-#include "analysis/diff/diff_maps.hpp"
+#include "analysis/diff/diff_files.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "number/error.hpp"
-#include "output/diff/pixel_difference.hpp"
+#include "output/diff/difference.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -9,7 +9,6 @@
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
-#include "analysis/selection/worst_ray.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"

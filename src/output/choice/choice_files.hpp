@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "output/choice/choice_text.hpp"
-#include "output/speed/kernel_rows.hpp"
+#include "output/speed/trade_files.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::choice {

@@ -1,4 +1,4 @@
-#include "output/claim/claim_pictures.hpp"
+#include "output/claim/claim_files.hpp"
 
 #include <fmt/format.h>
 

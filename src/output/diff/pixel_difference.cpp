@@ -1,4 +1,4 @@
-#include "output/diff/pixel_difference.hpp"
+#include "output/diff/difference.hpp"
 
 #include <fmt/format.h>
 

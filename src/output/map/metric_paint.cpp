@@ -1,4 +1,4 @@
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/map/row_names.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/speed/kernel_rows.hpp"
+#include "output/speed/trade_files.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::mend {

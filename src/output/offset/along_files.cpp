@@ -1,9 +1,8 @@
-#include "output/offset/along_files.hpp"
+#include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
 
 #include "output/image/image.hpp"
-#include "output/offset/offset_files.hpp"
 #include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::offset {

@@ -1,4 +1,5 @@
-// The files of offsets over a scene: pictures, the contact sheet, one row per pixel, summary.csv.
+// The files of offsets over a scene, pictures, the contact sheet, one row per pixel, summary.csv, and of offsets along
+// an axis: a table, and two plots for each row and side.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/offset/along.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/pixel/columns.hpp"
 #include "output/table/table.hpp"
@@ -66,5 +68,37 @@ private:
 /// strategy too: the point stays). Nothing where no point counts.
 [[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetRequest& request, std::size_t r,
                                                     const measure::offset::OffsetSummary& summary);
+
+/// A strategy at a place on the axis.
+struct PlaceRow {
+    double place;
+    StrategyRow of;
+};
+
+/// `along.<axis>.csv` is the summary with the place on the axis in front; `along.<axis>.<row>.<side>.wrong.png` the
+/// share of rays that go wrong, and `….size.png` the offsets beside the smallest safe one.
+class AlongFiles {
+public:
+    /// Opens the table. `request`, of the scene as it is, must outlive it.
+    AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetRequest& request,
+               measure::offset::Along along);
+
+    void add(double k, std::vector<measure::offset::OffsetSummary> summaries);
+    /// Draws the plots and gives the table its final name.
+    void finish();
+    [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
+
+private:
+    void plot_wrong(std::size_t row, measure::offset::Side side) const;
+    void plot_size(std::size_t row, measure::offset::Side side) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row, measure::offset::Side side, const char* what) const;
+
+    std::filesystem::path folder_;
+    const measure::offset::OffsetRequest& request_;
+    measure::offset::Along along_;
+    table::TableFile<PlaceRow> table_;
+    std::vector<double> steps_;
+    std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< step by step
+};
 
 }  // namespace lostbits::output::offset

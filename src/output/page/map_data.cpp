@@ -11,9 +11,8 @@
 #include "measure/truth/reach.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/page/ray_data.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {

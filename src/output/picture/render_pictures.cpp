@@ -1,4 +1,4 @@
-#include "output/picture/render_pictures.hpp"
+#include "output/picture/render_files.hpp"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "output/file/datapackage.hpp"
+#include "output/file/csv.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/pixel/look.hpp"

@@ -8,7 +8,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/plot/matrix_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace lostbits::output::sweep {
 

@@ -9,7 +9,7 @@
 #include "output/image/exr_book.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/plot/plane_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace lostbits::output::sweep {
 

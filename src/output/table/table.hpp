@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::table {

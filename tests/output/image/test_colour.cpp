@@ -12,9 +12,9 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/picture/render_pictures.hpp"
+#include "output/picture/render_files.hpp"
 
 namespace test_colour {
 

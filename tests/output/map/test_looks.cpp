@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "output/helpers.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/plot/line_plot_parts.hpp"

@@ -10,8 +10,8 @@
 #include "measure/rows.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/helpers.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/map_pictures.hpp"
-#include "output/map/metric_paint.hpp"
 
 namespace test_metric_paint {
 

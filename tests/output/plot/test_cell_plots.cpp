@@ -7,8 +7,7 @@
 #include "number/error.hpp"
 #include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
-#include "output/plot/matrix_plot.hpp"
-#include "output/plot/plane_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace test_cell_plots {
 
