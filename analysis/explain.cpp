@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/ray_words.hpp"

@@ -10,11 +10,11 @@
 
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/options.hpp"
-#include "analysis/shard/merge.hpp"
+#include "analysis/shard/division.hpp"
+#include "analysis/shell/command_line.hpp"
 #include "analysis/shell/option_table.hpp"
 #include "analysis/shell/process.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
-#include "analysis/shell/usage.hpp"
 #include "commands.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/process/floating_point.hpp"

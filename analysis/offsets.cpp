@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
