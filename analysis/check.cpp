@@ -10,7 +10,7 @@
 
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
-#include "analysis/shell/different_files.hpp"
+#include "analysis/shell/command_line.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"

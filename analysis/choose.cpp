@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
@@ -19,7 +18,6 @@
 #include "measure/mend/price.hpp"
 #include "number/error.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/choice/choice_text.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/mend/form_code.hpp"
 #include "output/mend/mend_files.hpp"

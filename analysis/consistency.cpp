@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"

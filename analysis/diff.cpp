@@ -7,7 +7,6 @@
 #include <set>
 
 #include "analysis/diff/diff_files.hpp"
-#include "analysis/diff/diff_maps.hpp"
 #include "analysis/selection/options.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/ray_words.hpp"
@@ -17,7 +16,6 @@
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/ranges_text.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"

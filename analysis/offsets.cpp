@@ -6,12 +6,10 @@
 #include <memory>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
-#include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "scene/file/scene.hpp"
 

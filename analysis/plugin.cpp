@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/shell/supervisor.hpp"
+#include "analysis/shell/process.hpp"
 #include "commands.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/pipe.hpp"

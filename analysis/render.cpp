@@ -7,7 +7,6 @@
 #include <set>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "analysis/selection/doors.hpp"
-#include "analysis/selection/lost_numbers.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"

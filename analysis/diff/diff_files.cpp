@@ -55,9 +55,8 @@ Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, co
     Comparison bytes = output::diff::compare_bytes(left, output::file::read_file(b));
     const bool named = !options.tolerances.empty() || !options.ignored.empty();
     if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && named))) return bytes;
-    auto& images = output::image::image_backend();
-    if (kind == FileKind::exr) return output::diff::compare_exr(images, a, b, options);
-    return both([&](const fs::path& path) { return images.read_png(path); });
+    if (kind == FileKind::exr) return output::diff::compare_exr(a, b, options);
+    return both([&](const fs::path& path) { return output::image::image_backend().read_png(path); });
 }
 
 std::set<fs::path> files_below(const fs::path& folder) {

@@ -1,11 +1,11 @@
-#include "analysis/diff/diff_maps.hpp"
+#include "analysis/diff/diff_files.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "number/error.hpp"
-#include "output/diff/pixel_difference.hpp"
+#include "output/diff/difference.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -161,7 +161,6 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
 }
 
 std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, intersect::process::StopToken stop) {
-    auto& images = output::image::image_backend();
     std::vector<fs::path> drawn;
     for (const fs::path& file : files_below(sides.a)) {
         if (file.filename() != "summary.csv") continue;
@@ -170,13 +169,13 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, inte
         const fs::path map = file.parent_path();
         for (const auto& [first, second] : drawn_rows(sides, table)) {
             stop.check();
-            const auto a = output::diff::read_pixels(images, sides.a / map, first);
-            const auto b = a ? output::diff::read_pixels(images, sides.b / map, second) : std::nullopt;
+            const auto a = output::diff::read_pixels(sides.a / map, first);
+            const auto b = a ? output::diff::read_pixels(sides.b / map, second) : std::nullopt;
             if (!a || !b) continue;
             const std::string name = first == second ? first : first + "-to-" + second;
             const fs::path picture = out / map / (name + ".png");
             output::diff::draw_difference(
-                images, picture, *a, *b,
+                picture, *a, *b,
                 {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
                  first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
             drawn.push_back(picture);

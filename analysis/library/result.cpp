@@ -1,4 +1,4 @@
-#include "analysis/library/result.hpp"
+#include "analysis/library/handles.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -25,11 +25,7 @@ Scene only_scene(const std::string& name, const lostbits_where& where, const std
     selection::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set)};
     if (where.width > 0 || where.height > 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
-    auto scenes = selection::load_scenes(choice, data);
-    if (scenes.size() > 1)
-        throw InputError(name + ": has " + std::to_string(scenes.size()) + " variants; name one, such as " +
-                         scenes.front().id);
-    return std::move(scenes.front());
+    return selection::load_one_scene(choice, data);
 }
 
 std::string data_of(const lostbits_where& where) {

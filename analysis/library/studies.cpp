@@ -10,7 +10,6 @@
 #include "measure/sweep/sweep.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/choice/choice_text.hpp"
 #include "output/mend/mend_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/sweep/sweep_files.hpp"

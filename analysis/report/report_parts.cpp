@@ -204,7 +204,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
-        output::offset::OffsetPictures sheet(request, to);
+        output::offset::OffsetFiles sheet(request, {.folder = {}, .sheet_alone = to});
         summaries = run_offsets(request, &sheet);
         sheet.finish(summaries);
     });

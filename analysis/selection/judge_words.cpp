@@ -12,7 +12,6 @@
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
-#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::selection {
@@ -22,58 +21,6 @@ using scene::dump::DumpOptions;
 using scene::dump::MissRule;
 
 namespace {
-
-/// The numbers between the commas of `text`, each rounded once to the format.
-std::vector<double> numbers_in(const std::string& text, const std::string& option, const Format& format) {
-    const scene::dump::NumberWords words(format);
-    std::vector<double> numbers;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        std::string word = text.substr(begin, end - begin);
-        std::erase(word, ' ');
-        const auto read = words.read(word);
-        using Kind = scene::dump::NumberWords::Kind;
-        if (read.kind != Kind::number || !std::isfinite(read.value))
-            throw InputError(fmt::format("{} {}: \"{}\" is {}", option, text, word,
-                                         read.kind == Kind::too_large
-                                             ? fmt::format("larger than the largest number of {}", format.name)
-                                             : "not a finite number; write a decimal or a hexadecimal float"));
-        numbers.push_back(read.value);
-        begin = end + 1;
-    }
-    return numbers;
-}
-
-/// `CX,CY,CZ,R`, perhaps with `@` and the twelve numbers of a matrix, `@/` and those of a stored inverse.
-Solid<double> solid_of(const std::string& whole, Shape shape, const Format& format) {
-    const std::string option = "--" + std::string(name_of(shape));
-    const std::size_t at = std::min(whole.find('@'), whole.size());
-    const std::string text = whole.substr(0, at);
-    Solid<double> solid(shape);
-    const auto numbers = numbers_in(text, option, format);
-    if (numbers.size() != solid.used().size())
-        throw InputError(
-            fmt::format("{} {}: has {} numbers; write {}", option, text, numbers.size(), option_words(shape)));
-    std::ranges::copy(numbers, solid.used().begin());
-    if (at < whole.size()) {
-        const bool inverse = whole.substr(at + 1).starts_with('/');
-        const auto matrix = numbers_in(whole.substr(at + (inverse ? 2 : 1)), option, format);
-        std::array<double, Affine<double>::numbers> rows;
-        if (matrix.size() != rows.size())
-            throw InputError(
-                fmt::format("{} {}: has {} numbers after the @; write the three rows of four numbers of a "
-                            "matrix, and a / before those of a stored inverse",
-                            option, whole, matrix.size()));
-        std::ranges::copy(matrix, rows.begin());
-        solid.placed = placement_of(rows, inverse);
-        if (!solid.placed->is_proper())
-            throw InputError(fmt::format("{} {}: the matrix {}", option, whole, singular_words));
-    }
-    if (const auto broken = broken_limit(solid))
-        throw InputError(
-            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
-    return solid;
-}
 
 std::optional<MissRule> miss_rule(const std::string& word) {
     if (word.empty()) return {};
@@ -127,17 +74,14 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
     if (o.scene.empty()) return {};
-    auto scenes = load_scenes({{o.scene}, "", "", {}, o.stop}, data);
-    if (scenes.size() > 1)
-        throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
-                                     scenes.front().id));
+    auto scene = load_one_scene({{o.scene}, "", "", {}, o.stop}, data);
     constexpr std::size_t most = 1024;
-    if (scenes.front().solid_count() > most)
+    if (scene.solid_count() > most)
         throw InputError(
             fmt::format("--scene {}: has {} solids; every ray is asked about every one of them, and {} is the "
                         "most; give each ray the solid that it meets in columns of the file",
-                        o.scene, scenes.front().solid_count(), most));
-    return std::move(scenes.front());
+                        o.scene, scene.solid_count(), most));
+    return scene;
 }
 
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene) {
@@ -153,7 +97,7 @@ std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::option
     if (scene) return scene::rays::stored_solids(*scene, format.parameters);
     std::vector<Solid<double>> solids;
     for (const Shape shape : o.solids.shapes())
-        for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_of(text, shape, format));
+        for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_in_words(shape, text, format));
     return solids;
 }
 

@@ -1,4 +1,4 @@
-#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
 

@@ -11,6 +11,7 @@
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::selection {
@@ -75,6 +76,45 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
     }
     if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {}: is not {}", option, text, wanted.what));
     return numbers;
+}
+
+double stored_number(const Real& x) {
+    return isfinite(x) ? scene::toml::round_to_format(x, binary64) : static_cast<double>(x);
+}
+
+namespace {
+
+Placement<double> placement_in(const std::string& text, const char* option, const std::optional<Format>& as) {
+    const bool inverse = text.starts_with('/');
+    const auto x = numbers_of(text.substr(inverse ? 1 : 0),
+                              {option,
+                               "a matrix; write after the @ its three rows of four numbers, with commas between "
+                               "them, and a / before the rows of a stored inverse",
+                               Affine<double>::numbers},
+                              as);
+    std::array<double, Affine<double>::numbers> numbers;
+    std::ranges::transform(x, numbers.begin(), stored_number);
+    const Placement<double> placed = placement_of(numbers, inverse);
+    if (!placed.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
+    return placed;
+}
+
+}  // namespace
+
+Solid<double> solid_in_words(Shape shape, const std::string& words, const std::optional<Format>& as) {
+    const std::size_t at = std::min(words.find('@'), words.size());
+    const std::string text = words.substr(0, at), option = "--" + std::string(name_of(shape));
+    Solid<double> solid(shape);
+    const std::string what =
+        fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
+                    option_words(shape), solid.used().size());
+    const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, as);
+    std::ranges::transform(x, solid.numbers.begin(), stored_number);
+    if (at < words.size()) solid.placed = placement_in(words.substr(at + 1), option.c_str(), as);
+    if (const auto broken = broken_limit(solid))
+        throw InputError(
+            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
+    return solid;
 }
 
 std::pair<int, int> parse_size(const std::string& text) {

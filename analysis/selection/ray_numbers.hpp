@@ -43,6 +43,13 @@ std::string solid_options(bool numbers, const char* between = " or ");
 /// for what is not a number or is out of the range of `as` (of binary64 without it), and for another count.
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as);
 
+/// Rounded once to binary64; NaN and infinities stay.
+double stored_number(const Real& x);
+
+/// A solid by its numbers, `CX,CY,CZ,R`, perhaps with `@` and the twelve of a matrix, row by row, or `@/` and those of
+/// a stored inverse; all as `numbers_of` reads them. InputError, which names the option of the shape.
+Solid<double> solid_in_words(Shape shape, const std::string& words, const std::optional<Format>& as);
+
 /// `WxH` in pixels. InputError otherwise.
 std::pair<int, int> parse_size(const std::string& text);
 

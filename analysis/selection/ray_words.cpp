@@ -9,7 +9,6 @@
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
-#include "analysis/selection/worst_ray.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
@@ -19,7 +18,6 @@
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
-#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::selection {
@@ -36,11 +34,10 @@ std::optional<Format> format_of(const std::string& as) {
     return as.empty() ? std::nullopt : std::optional(select_formats({as}, "--as").front());
 }
 
-double stored(const Real& x) {
-    return isfinite(x) ? scene::toml::round_to_format(x, binary64) : static_cast<double>(x);
-}
 Ray<double> stored(const Ray<Real>& ray) {
-    const auto of = [](const Vec<Real>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
+    const auto of = [](const Vec<Real>& v) {
+        return Vec<double>(stored_number(v.x), stored_number(v.y), stored_number(v.z));
+    };
     return {of(ray.origin), of(ray.direction)};
 }
 
@@ -204,39 +201,6 @@ AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::p
     return found;
 }
 
-/// `…@M` after the numbers of a solid: the twelve numbers of its matrix, row by row; `…@/M` of a stored inverse.
-Placement<double> placement_in(const std::string& text, const char* option, const std::string& as) {
-    const bool inverse = text.starts_with('/');
-    const auto x = numbers_of(text.substr(inverse ? 1 : 0),
-                              {option,
-                               "a matrix; write after the @ its three rows of four numbers, with commas between "
-                               "them, and a / before the rows of a stored inverse",
-                               Affine<double>::numbers},
-                              format_of(as));
-    std::array<double, Affine<double>::numbers> numbers;
-    std::ranges::transform(x, numbers.begin(), [](const Real& number) { return stored(number); });
-    const Placement<double> placed = placement_of(numbers, inverse);
-    if (!placed.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
-    return placed;
-}
-
-Solid<double> solid_of(Shape shape, const std::string& words, const std::string& as) {
-    const std::size_t at = std::min(words.find('@'), words.size());
-    const std::string text = words.substr(0, at);
-    const std::string name(name_of(shape)), option = "--" + name;
-    Solid<double> solid(shape);
-    const std::string what =
-        fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
-                    option_words(shape), solid.used().size());
-    const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, format_of(as));
-    std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
-    if (at < words.size()) solid.placed = placement_in(words.substr(at + 1), option.c_str(), as);
-    if (const auto broken = broken_limit(solid))
-        throw InputError(
-            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
-    return solid;
-}
-
 /// The constants that `--set march.…` gives, the defaults of a scene otherwise; numbers as given.
 intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) {
     scene::toml::Node root, table;
@@ -255,7 +219,8 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
 AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     std::vector<Solid<double>> solids;
     for (const Shape shape : words.solids.shapes())
-        for (const std::string& text : words.solids.of(shape)) solids.push_back(solid_of(shape, text, words.as));
+        for (const std::string& text : words.solids.of(shape))
+            solids.push_back(solid_in_words(shape, text, format_of(words.as)));
     const bool placed = std::ranges::any_of(solids, [](const auto& solid) { return solid.placed.has_value(); });
     const auto is_for = [&given](const Solid<double>& solid) { return given.form->shapes().has(solid.shape); };
     const TestedForm row = std::ranges::all_of(solids, is_for) && placed == given.form->shapes().are_placed()
@@ -268,7 +233,8 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     RayGroup one = scene::rays::group_of(stored(ray));
     one.solids = std::move(solids);
     const auto put_end = [&](const std::string& text, const char* option, const char* what, std::vector<double>& to) {
-        if (!text.empty()) to.push_back(stored(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
+        if (!text.empty())
+            to.push_back(stored_number(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
     };
     put_end(words.tmin, "--tmin", "where a range begins; write one number", one.rays.tmin);
     put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);

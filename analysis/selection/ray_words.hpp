@@ -1,4 +1,5 @@
-// Which ray `lostbits explain` is asked about: of a scene, of a file of cases, or with solids of its own.
+// Which ray `lostbits explain` is asked about: of a scene, of a file of cases, or with solids of its own; and the ray
+// on which a form does worst: a wrong decision, or else the largest error.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +12,8 @@
 #include "intersect/process/stop_token.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -43,5 +46,20 @@ AskedRay find_ray(const RayWords& words, const measure::evaluate::TestedForm& ro
 
 /// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
 std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
+
+/// Ray K of a case, as its groups of so many rays have them one after another.
+scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays, int k);
+/// The place among these of the worst: the ray that cases.csv names.
+int worst_of(std::vector<scene::rays::RayGroup> groups, int rays, const measure::evaluate::TestedForm& row,
+             intersect::process::StopToken stop);
+
+/// Of all pixels of a scene, of all rays of all steps of a sweep, of all cases of a file: with a note on which it is.
+/// InputError where every decision is right and nothing is lost anywhere, as of a scene that no ray hits.
+AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const measure::evaluate::TestedForm& row,
+                        intersect::process::StopToken stop);
+AskedRay worst_along(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& row,
+                     intersect::process::StopToken stop);
+AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& row,
+                        intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::selection

@@ -1,4 +1,5 @@
-// From names and globs on the command line to forms, formats and metrics.
+// From names and globs on the command line to forms, formats and metrics; and what is said on stderr of numbers that
+// the formats cannot hold.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/sets.hpp"
 #include "intersect/hull/behind.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
@@ -20,6 +22,8 @@
 #include "number/error.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -133,5 +137,23 @@ void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const
 
 /// InputError for a scene whose rays each format makes, of a command that rounds them.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
+
+/// The constants of its march, where a row marches, and its lengths.
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
+
+/// The same at every step of a sweep, whose rays are made for it: 4 s for 4000 steps of 1024 views.
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
+                       intersect::process::StopToken stop);
+
+/// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
+void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);
+
+/// Says which assignments of `--set` change nothing: the constants of a march where no row marches.
+void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
+                        const std::vector<measure::evaluate::TestedForm>& rows);
+
+/// Both, of a scene that `set` has changed; nothing where `quiet`.
+void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
+                  const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
 }  // namespace lostbits::analysis::selection

@@ -9,6 +9,7 @@
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::analysis::selection {
@@ -27,23 +28,19 @@ std::vector<Shape> listed(Shapes shapes) {
     return all;
 }
 
-/// "spheres, boxes and cones", of so many words.
-std::string joined(std::size_t count, const std::function<std::string(std::size_t)>& word) {
-    std::string text;
-    for (std::size_t k = 0; k < count; ++k) text += (k == 0 ? "" : k + 1 == count ? " and " : ", ") + word(k);
-    return text;
-}
-
+/// "spheres, boxes and cones"
 std::string joined_plurals(const std::vector<Shape>& shapes) {
-    return joined(shapes.size(), [&shapes](std::size_t k) { return std::string(row_of(shapes[k]).plural); });
+    std::vector<std::string> words;
+    for (const Shape shape : shapes) words.emplace_back(row_of(shape).plural);
+    return output::file::enumerated(words);
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
 std::string count_words(const std::vector<Forms>& by_shape, std::size_t count) {
-    const auto words = [&by_shape](std::size_t k) {
-        return fmt::format("{} of {}", by_shape[k].size(), row_of(by_shape[k].front()->shape).plural);
-    };
-    return fmt::format("{} make {} sets, one form for each shape", joined(by_shape.size(), words), count);
+    std::vector<std::string> words;
+    for (const Forms& forms : by_shape)
+        words.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
+    return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(words), count);
 }
 
 /// Every combination of one form of each list that can be a set. InputError, which begins with `who`, for too many, and

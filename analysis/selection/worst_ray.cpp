@@ -1,4 +1,4 @@
-#include "analysis/selection/worst_ray.hpp"
+#include "analysis/selection/ray_words.hpp"
 
 #include <fmt/format.h>
 

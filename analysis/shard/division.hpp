@@ -1,4 +1,5 @@
-// How the work of a run is divided: not at all, into shards of which this run is one, or shards are done and joined.
+// How the work of a run is divided: not at all, into shards of which this run is one, or shards are done and joined, by
+// `lostbits merge`: the command whose shards lie there runs once more, with everything measured.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +11,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "analysis/shell/command_line.hpp"
 #include "measure/shard/share.hpp"
+#include "number/error.hpp"
 #include "output/shard/fields.hpp"
 #include "output/shard/state_file.hpp"
 
@@ -118,5 +121,11 @@ private:
     std::unique_ptr<output::shard::StateFileWriter> file_;
     std::shared_ptr<Shards> joined_;
 };
+
+/// Runs the command of these words, of which the shards have measured everything.
+using RunOfShards = std::function<Exit(std::vector<std::string> words, std::shared_ptr<Shards> shards)>;
+
+/// Registers the subcommand; `version` is the program's.
+void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again);
 
 }  // namespace lostbits::analysis::shard

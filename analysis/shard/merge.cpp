@@ -1,4 +1,4 @@
-#include "analysis/shard/merge.hpp"
+#include "analysis/shard/division.hpp"
 
 #include <utility>
 

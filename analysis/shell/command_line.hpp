@@ -2,6 +2,7 @@
 // command_line.cpp alone: compiling the commands took 80 s of processor, not 66, while each saw its templates.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -130,5 +131,25 @@ private:
     std::unique_ptr<CLI::App> parser_;
     std::function<Exit()> run_;
 };
+
+/// What is wrong, why, and what to try: a sentence for what the parser threw.
+std::string describe_misread(const CommandLine& program, const Misread& error);
+
+/// The message, with the line breaks that somebody typed into one of the words as `\n`: its own stay.
+std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words);
+
+/// The path of a file, whether it is there or not. (Where none of its folders is, weakly_canonical alone leaves a
+/// relative path as it is.)
+[[nodiscard]] std::filesystem::path place_of(const std::string& file);
+
+/// An option, and what it names; empty where it was not given.
+struct NamedFile {
+    const char* option;
+    std::string file;
+};
+
+/// InputError where two options name one file, of which the later would overwrite the earlier, or one lies in `folder`,
+/// among whose files it may come to be.
+void require_different_files(const std::vector<NamedFile>& files, const NamedFile& folder);
 
 }  // namespace lostbits::analysis::shell

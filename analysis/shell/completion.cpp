@@ -1,9 +1,7 @@
-#include "analysis/shell/completion.hpp"
+#include "analysis/shell/option_table.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include "analysis/shell/option_table.hpp"
 
 namespace lostbits::analysis::shell {
 

@@ -3,7 +3,6 @@
 
 #include <sstream>
 
-#include "analysis/shell/completion.hpp"
 #include "analysis/shell/option_table.hpp"
 
 namespace lostbits::analysis::shell {

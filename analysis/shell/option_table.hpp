@@ -1,4 +1,5 @@
-// The options of the program as a table, for completion and for the manual page: what the parser itself was told.
+// The options of the program as a table, what the parser itself was told, and what is made of it: scripts that complete
+// its words, and its manual page.
 #pragma once
 
 #include <string>
@@ -36,5 +37,14 @@ struct CommandRow {
 std::vector<OptionRow> common_options(const Command& program);
 /// Those of a program, or of a command that has some.
 std::vector<CommandRow> command_table(const Command& program);
+
+/// For bash, zsh and fish. Names of forms, scenes and so on are asked of the program when they are needed, so those of
+/// one's own data are there too.
+std::string bash_completion(const Command& program);
+std::string zsh_completion(const Command& program);
+std::string fish_completion(const Command& program);
+
+/// The manual page, in the macros of man(7): the words of `--help`, all commands on one page, and `footer`.
+std::string manual_page(const Command& program, const std::string& version, const std::string& footer);
 
 }  // namespace lostbits::analysis::shell

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <csignal>
 
-#include "analysis/shell/supervisor.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 

@@ -1,4 +1,4 @@
-#include "analysis/shell/supervisor.hpp"
+#include "analysis/shell/process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "analysis/shell/usage.hpp"
+#include "analysis/shell/command_line.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

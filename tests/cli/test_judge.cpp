@@ -172,7 +172,7 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
     for (const auto& [name, text] : files) scratch.write(name, text);
     check_refused(scratch, "judge -o out",
                   {{"rays.csv", "--sphere CX,CY,CZ,R"},
-                   {"rays.csv --sphere 0,0,0", "has 3 numbers; write CX,CY,CZ,R"},
+                   {"rays.csv --sphere 0,0,0", "is not a sphere; write its"},
                    {"rays.csv --sphere 0,0,0,-1", "greater than 0"},
                    {"rays.csv --box 0,0,0,1,-1,1", "lo <= hi"},
                    {"rays.csv --scene rtg-fig-7-4", "variants"},

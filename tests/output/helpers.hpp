@@ -33,9 +33,7 @@ int in_child(Work work) {
 }
 
 /// The module that this build made, wherever the test program lies.
-inline output::image::ImageBackend& backend() {
-    ::setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_TEST_IMAGE_MODULE, 0);
-    return output::image::image_backend();
-}
+inline const bool module_is_known = ::setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_TEST_IMAGE_MODULE, 0) == 0;
+inline output::image::ImageBackend& backend() { return output::image::image_backend(); }
 
 }  // namespace lostbits::output::test

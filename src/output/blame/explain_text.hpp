@@ -1,10 +1,11 @@
-// One ray and one form as a person reads it, and as other programs do.
+// One ray and one form, and a bound over ranges of inputs, as a person reads them, and as other programs do.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "measure/answer/one_ray.hpp"
+#include "measure/apriori/ranges.hpp"
 #include "measure/blame/explanation.hpp"
 #include "output/blame/operation_words.hpp"
 
@@ -87,5 +88,11 @@ std::string explain_c(const measure::blame::Explanation& x);
 /// and infinities as they are. A move to a neighbouring number is a sum with the smallest number, rounded upward or
 /// downward (`:round`).
 std::string explain_fpcore(const measure::blame::Explanation& x);
+
+/// The ranges, how much of them the bound is for, the bound, what rays show of it, and the operations that make it.
+std::string ranges_text(const measure::apriori::RangesRequest& request, const measure::apriori::RangesBound& bound);
+
+/// The same in one JSON object; an infinite number is the string "inf".
+std::string ranges_json(const measure::apriori::RangesRequest& request, const measure::apriori::RangesBound& bound);
 
 }  // namespace lostbits::output::blame

@@ -1,4 +1,4 @@
-#include "output/blame/ranges_text.hpp"
+#include "output/blame/explain_text.hpp"
 
 #include <fmt/format.h>
 

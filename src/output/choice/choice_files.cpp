@@ -160,7 +160,7 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 }  // namespace
 
 void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
-    plot::write_scatter_plot(image::image_backend(), path, front_plot(chosen));
+    plot::write_scatter_plot(path, front_plot(chosen));
 }
 
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)

@@ -1,4 +1,4 @@
-#include "output/choice/choice_text.hpp"
+#include "output/choice/choice_files.hpp"
 
 #include <fmt/format.h>
 

@@ -132,7 +132,7 @@ void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, c
     spec.width = 2 * r.width + gap;
     spec.height = r.height;
     spec.legend = colours.legend();
-    image::HeatmapWriter picture(image::image_backend(), path, spec);
+    image::HeatmapWriter picture(path, spec);
     std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), image::style::page);
     for (int y = 0; y < r.height; ++y) {
         for (int x = 0; x < r.width; ++x) {

@@ -100,4 +100,14 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<s
                         const std::vector<measure::claim::ClaimResult>& results,
                         const measure::claim::ClaimRequest& run);
 
+/// What is shown of a subject, and of which claims about it.
+struct ShownSubject {
+    const std::filesystem::path& folder;
+    std::vector<const scene::claim::Claim*> claims;
+    const measure::claim::ClaimRequest& run;
+};
+
+/// Drawn into `folder`/pictures; the Markdown that shows it, empty for what has no picture.
+std::string pictures_of(const ShownSubject& shown);
+
 }  // namespace lostbits::output::claim

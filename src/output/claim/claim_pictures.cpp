@@ -1,4 +1,4 @@
-#include "output/claim/claim_pictures.hpp"
+#include "output/claim/claim_files.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "output/file/escape.hpp"
 #include "output/map/map_files.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/picture/render_pictures.hpp"
+#include "output/picture/render_files.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
@@ -67,7 +67,7 @@ std::string picture_link(const std::string& title, const std::string& file) {
 template <class Sheet, class Request, class Run>
 std::string sheet_of(const ShownSubject& shown, const Request& request, const char* ending, const Run& run) {
     const std::string file = request.scene->id + ending;
-    Sheet sheet(request, shown.folder / "pictures" / file);
+    Sheet sheet(request, {.folder = {}, .sheet_alone = shown.folder / "pictures" / file});
     sheet.finish(run(request, &sheet));
     return picture_link(request.scene->title, file);
 }
@@ -114,7 +114,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
                 request.rows.push_back({a.form, b.format});
         }
     }
-    return sheet_of<picture::RenderPictures>(shown, request, ".rendered.png", measure::picture::run_render);
+    return sheet_of<picture::RenderFiles>(shown, request, ".rendered.png", measure::picture::run_render);
 }
 
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
@@ -133,7 +133,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
                 request.rows.push_back(row);
         }
     }
-    return sheet_of<offset::OffsetPictures>(shown, request, ".offsets.png", measure::offset::run_offsets);
+    return sheet_of<offset::OffsetFiles>(shown, request, ".offsets.png", measure::offset::run_offsets);
 }
 
 /// All checks of consistency of a scene.
@@ -144,8 +144,8 @@ std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) 
                                                            .rows = rows,
                                                            .checks = measure::consistency::checks_for(scene, rows),
                                                            .limit = {.stop = shown.run.stop}};
-    return sheet_of<consistency::ConsistencyPictures>(shown, request, ".consistency.png",
-                                                      measure::consistency::run_consistency);
+    return sheet_of<consistency::ConsistencyFiles>(shown, request, ".consistency.png",
+                                                   measure::consistency::run_consistency);
 }
 
 /// Which plots of a sweep its claims are about.

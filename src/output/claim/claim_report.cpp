@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "output/claim/claim_files.hpp"
-#include "output/claim/claim_pictures.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"

@@ -171,28 +171,15 @@ Table<CheckRow> check_table() {
 
 }  // namespace
 
-ConsistencyPictures::ConsistencyPictures(const ConsistencyRequest& request, const std::filesystem::path& sheet,
-                                         const std::filesystem::path& singles)
-    : request_(request),
-      files_({.scene = *request.scene,
-              .sheets = {{sheet, sheet_spec(request)}},
-              .singles = singles,
-              .stop = request.limit.stop},
-             columns_of(request)) {}
-
-void ConsistencyPictures::finish(const std::vector<RowChecks>& rows) {
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t c = 0; c < rows[r].size(); ++c)
-            files_.writer().set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
-    }
-    files_.writer().finish();
-}
-
-ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, ConsistencyFilesOptions options)
+ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, pixel::SceneFilesOptions options)
     : request_(request),
       options_(std::move(options)),
       table_(options_.folder, "summary.csv", "One row per check, form and format", check_table()),
-      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+      pictures_({.scene = *request.scene,
+                 .sheets = {{options_.sheet(), sheet_spec(request)}},
+                 .singles = options_.folder_of_singles(),
+                 .stop = request.limit.stop},
+                columns_of(request)) {
     if (!options_.pixels_csv) return;
     for (const TestedForm& row : request.rows)
         pixels_.push_back(std::make_unique<table::TableFile<AccordPixel>>(options_.folder, map::row_name(row) + ".csv",
@@ -200,17 +187,20 @@ ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, Consistenc
 }
 
 void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
-    pictures_.band(row, band);
+    pictures_.take(row, band, band.y0, band.checks.front().accord.size());
     if (pixels_.empty()) return;
     for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) pixels_[row]->add({&band, i});
 }
 
 void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
-    pictures_.finish(rows);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-        for (std::size_t c = 0; c < rows[r].size(); ++c)
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        for (std::size_t c = 0; c < rows[r].size(); ++c) {
+            pictures_.writer().set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
             table_.add({request_.checks[c], &request_.rows[r], &rows[r][c]});
-    table::close_tables(options_.folder, request_.scene->title, table_, pixels_);
+        }
+    }
+    pictures_.writer().finish();
+    if (!options_.folder.empty()) table::close_tables(options_.folder, request_.scene->title, table_, pixels_);
 }
 
 }  // namespace lostbits::output::consistency

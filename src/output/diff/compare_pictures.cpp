@@ -116,10 +116,10 @@ void add_part(const std::string& name, Comparison part, Ledger& ledger) {
 
 }  // namespace
 
-Comparison compare_exr(image::ImageBackend& images, const std::filesystem::path& a, const std::filesystem::path& b,
-                       const CompareOptions& options) {
+Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    const std::vector<std::string> left = images.exr_parts(a), right = images.exr_parts(b);
+    const std::vector<std::string> left = image::image_backend().exr_parts(a),
+                                   right = image::image_backend().exr_parts(b);
     const bool several = left.size() > 1 || right.size() > 1;
     std::size_t last = 0;  // one past the place, in the second, of the part before
     for (std::size_t p = 0; p < left.size(); ++p) {
@@ -131,8 +131,8 @@ Comparison compare_exr(image::ImageBackend& images, const std::filesystem::path&
         const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
         if (q < last) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
         last = std::max(last, q + 1);
-        const ExrImage first = images.read_exr(a, p);  // the first bad file is the one to name
-        add_part(several ? left[p] : "", compare(first, images.read_exr(b, q), options), ledger);
+        const ExrImage first = image::image_backend().read_exr(a, p);  // the first bad file is the one to name
+        add_part(several ? left[p] : "", compare(first, image::image_backend().read_exr(b, q), options), ledger);
     }
     for (const std::string& name : right) {
         if (several && std::ranges::find(left, name) == left.end())

@@ -1,4 +1,4 @@
-#include "output/diff/pixel_difference.hpp"
+#include "output/diff/difference.hpp"
 
 #include <fmt/format.h>
 
@@ -74,15 +74,14 @@ std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
 
 }  // namespace
 
-std::optional<PixelField> read_pixels(image::ImageBackend& images, const std::filesystem::path& folder,
-                                      const std::string& row) {
+std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row) {
     if (const auto table = folder / (row + ".csv"); std::filesystem::exists(table)) return pixels_of_table(table);
     const auto exr = folder / (std::filesystem::weakly_canonical(folder / ".").filename().string() + ".exr");
     if (!std::filesystem::exists(exr)) return {};
-    const auto parts = images.exr_parts(exr);
+    const auto parts = image::image_backend().exr_parts(exr);
     const auto found = std::ranges::find(parts, row);
     if (found == parts.end()) return {};
-    return pixels_of_part(exr, images.read_exr(exr, static_cast<std::size_t>(found - parts.begin())));
+    return pixels_of_part(exr, image::image_backend().read_exr(exr, static_cast<std::size_t>(found - parts.begin())));
 }
 
 std::vector<Rgb8> difference_ramp() {
@@ -99,8 +98,8 @@ std::vector<Rgb8> difference_ramp() {
     return ramp;
 }
 
-void draw_difference(image::ImageBackend& images, const std::filesystem::path& path, const PixelField& a,
-                     const PixelField& b, const DifferenceWords& words) {
+void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
+                     const DifferenceWords& words) {
     if (a.width != b.width || a.height != b.height)
         throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with one --size", words.title,
                                      a.width, a.height, words.first, b.width, b.height, words.second));
@@ -127,7 +126,7 @@ void draw_difference(image::ImageBackend& images, const std::filesystem::path& p
     }
     const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
     image::HeatmapWriter picture(
-        images, path,
+        path,
         {.title = words.title,
          .subtitle = {fmt::format("From {} to {}.", words.first, words.second),
                       fmt::format("Of {} pixels that both hit rightly {} lose more bits (orange), {} fewer (blue).",

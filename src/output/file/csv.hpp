@@ -1,4 +1,5 @@
-// CSV that pandas, R, DuckDB and a spreadsheet read the same way.
+// CSV that pandas, R, DuckDB and a spreadsheet read the same way, and the Frictionless description that travels beside
+// it.
 #pragma once
 
 #include <cmath>
@@ -123,5 +124,18 @@ struct Character {
 
 /// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);
+
+/// One CSV file of a data package.
+struct DataResource {
+    std::string file_name;  ///< relative to the folder of the `datapackage.json`, with `/`
+    std::string title;      ///< what a row is
+    std::vector<Column> columns;
+};
+
+/// Writes a Frictionless `datapackage.json` to `path`: each column's type, unit and meaning, and in the property
+/// `lostbits` the command and the program that made the files. Same input, same
+/// bytes: no timestamps, keys in a fixed order, resources in the order given. Throws EnvironmentError.
+void write_datapackage(const std::filesystem::path& path, const std::string& title,
+                       const std::vector<DataResource>& resources);
 
 }  // namespace lostbits::output::file

@@ -1,4 +1,4 @@
-#include "output/file/datapackage.hpp"
+#include "output/file/csv.hpp"
 
 #include <cctype>
 

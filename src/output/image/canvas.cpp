@@ -28,11 +28,11 @@ std::size_t whole(std::string_view text, std::size_t n) {
 }
 
 /// The most bytes of `text` that fit `width`, at least one character.
-std::size_t fitting_prefix(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width) {
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
         const std::size_t middle = (lo + hi + 1) / 2;
-        if (backend.render_text(text.substr(0, whole(text, middle)), size, bold).width <= width) {
+        if (image_backend().render_text(text.substr(0, whole(text, middle)), size, bold).width <= width) {
             lo = middle;
         } else {
             hi = middle - 1;
@@ -116,20 +116,20 @@ void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
     reached.width = std::min(box_.x + box_.width, static_cast<int>(std::ceil(right))) - reached.x;
     reached.height = std::min(box_.y + box_.height, static_cast<int>(std::ceil(foot))) - reached.y;
     if (reached.width > 0 && reached.height > 0)
-        canvas.ink(reached, backend_.cover(figures_, reached), colour, opacity);
+        canvas.ink(reached, image_backend().cover(figures_, reached), colour, opacity);
     figures_.clear();
 }
 
 namespace {
 
 /// The words of each line of `wrap_text`.
-std::vector<std::string_view> wrapped(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+std::vector<std::string_view> wrapped(std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         // No letter, of at most four bytes, is narrower than a pixel, and drawing a whole book to cut one line off it
         // would take its square.
         const auto most = 4 * static_cast<std::size_t>(std::max(width, 1));
-        std::size_t n = fitting_prefix(backend, text.substr(0, whole(text, most)), size, bold, width);
+        std::size_t n = fitting_prefix(text.substr(0, whole(text, most)), size, bold, width);
         if (n < text.size()) {
             const std::size_t space = text.substr(0, n + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) n = space;
@@ -145,30 +145,29 @@ std::vector<std::string_view> wrapped(ImageBackend& backend, std::string_view te
 
 }  // namespace
 
-std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
+std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width) {
     std::vector<TextBitmap> lines;
-    for (const std::string_view line : wrapped(backend, text, size, bold, width))
-        lines.push_back(backend.render_text(line, size, bold));
+    for (const std::string_view line : wrapped(text, size, bold, width))
+        lines.push_back(image_backend().render_text(line, size, bold));
     return lines;
 }
 
-std::vector<TextBitmap> wrap_text_into(ImageBackend& backend, std::string_view text, int size, int width,
-                                       std::size_t most) {
+std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t most) {
     std::vector<TextBitmap> lines;
-    const auto words = wrapped(backend, text, size, false, width);
+    const auto words = wrapped(text, size, false, width);
     for (std::size_t i = 0; i < std::min(most, words.size()); ++i) {
         // The last one takes the rest of the text.
         const auto begin = static_cast<std::size_t>(words[i].data() - text.data());
         const bool rest = i + 1 == most;
-        lines.push_back(fit_text(backend, rest ? text.substr(begin) : words[i], size, false, width));
+        lines.push_back(fit_text(rest ? text.substr(begin) : words[i], size, false, width));
     }
     return lines;
 }
 
-TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
-    TextBitmap out = backend.render_text(text, size, bold);
+TextBitmap fit_text(std::string_view text, int size, bool bold, int width) {
+    TextBitmap out = image_backend().render_text(text, size, bold);
     for (int s = size - 1; out.width > width && s >= style::smallest_size; --s) {
-        out = backend.render_text(text, s, bold);
+        out = image_backend().render_text(text, s, bold);
     }
     const int smallest = std::min(size, style::smallest_size);
     for (std::size_t kept = text.size(); out.width > width && kept > 1;) {
@@ -176,12 +175,12 @@ TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool
         std::string shorter(text.substr(0, whole(text, (kept + 1) / 2)));
         shorter += "…";
         shorter += text.substr(whole(text, text.size() - kept / 2));
-        out = backend.render_text(shorter, smallest, bold);
+        out = image_backend().render_text(shorter, smallest, bold);
     }
     return out;
 }
 
-Canvas heading(ImageBackend& backend, std::string_view title, std::span<const std::string> subtitle, int width) {
+Canvas heading(std::string_view title, std::span<const std::string> subtitle, int width) {
     struct Line {
         TextBitmap text;
         int height;
@@ -193,7 +192,7 @@ Canvas heading(ImageBackend& backend, std::string_view title, std::span<const st
         // A title in a file may have several lines, or a tab: no letters, which would be boxes.
         std::ranges::replace_if(
             text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
-        for (auto& line : wrap_text(backend, text, size, bold, width)) {
+        for (auto& line : wrap_text(text, size, bold, width)) {
             lines.push_back({std::move(line), style::line_height(size), colour});
             height += style::line_height(size);
         }
@@ -209,23 +208,23 @@ Canvas heading(ImageBackend& backend, std::string_view title, std::span<const st
     return out;
 }
 
-void save_png(ImageBackend& backend, const std::filesystem::path& path, const Canvas& canvas) {
-    const auto png = backend.open_png(path, canvas.width(), canvas.height());
+void save_png(const std::filesystem::path& path, const Canvas& canvas) {
+    const auto png = image_backend().open_png(path, canvas.width(), canvas.height());
     png->write_rows(canvas.height(), canvas.pixels());
     png->close();
 }
 
-Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_view unit, int height) {
+Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     const int unit_height = style::line_height(style::text_size) + 4;
-    const int label_half = backend.render_text("0", style::text_size).height / 2;
+    const int label_half = image_backend().render_text("0", style::text_size).height / 2;
     // The frame and half a label stay inside the strip at the lower end.
     const int top = unit_height + label_half, bar_height = std::max(height - top - label_half - 1, 2);
-    const TextBitmap unit_text = backend.render_text(unit, style::text_size);
+    const TextBitmap unit_text = image_backend().render_text(unit, style::text_size);
     const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
     int width = std::max(unit_text.width, ramp_width + 2);
     for (const auto& tick : ticks) {
-        labels.push_back(backend.render_text(tick.label, style::text_size));
+        labels.push_back(image_backend().render_text(tick.label, style::text_size));
         width = std::max(width, 1 + ramp_width + 9 + labels.back().width);
     }
     Canvas out(width, height);
@@ -243,11 +242,10 @@ Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_v
     return out;
 }
 
-Legend::Legend(ImageBackend& backend, std::span<const LegendEntry> widest, int width)
-    : backend_(backend), width_(width), capacity_(widest.size()) {
+Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), capacity_(widest.size()) {
     if (widest.empty()) return;
     for (const auto& entry : widest) {
-        const int w = swatch + 2 + swatch_gap + backend.render_text(entry_text(entry), style::text_size).width;
+        const int w = swatch + 2 + swatch_gap + image_backend().render_text(entry_text(entry), style::text_size).width;
         column_width_ = std::max(column_width_, w);
     }
     column_width_ = std::min(column_width_, width);
@@ -267,8 +265,8 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
         out.fill(x + 1, y + 3, swatch, swatch, entries[i].colour);
         out.frame(x + 1, y + 3, swatch, swatch, style::line);
         const int text_x = x + swatch + 2 + swatch_gap;
-        const auto text = fit_text(backend_, entry_text(entries[i]), style::text_size, false,
-                                   column_width_ - (swatch + 2 + swatch_gap));
+        const auto text =
+            fit_text(entry_text(entries[i]), style::text_size, false, column_width_ - (swatch + 2 + swatch_gap));
         out.text(text_x, y + 3 + swatch - text.baseline, text, style::ink);
     }
     return out;

@@ -63,7 +63,7 @@ private:
 /// of two segments, is not darker than the rest. What lies outside the box is cut off.
 class Stroke {
 public:
-    Stroke(ImageBackend& backend, const PixelBox& box) : backend_(backend), box_(box) {}
+    explicit Stroke(const PixelBox& box) : box_(box) {}
 
     /// The segments between the points, `thickness` pixels wide with round ends. `dashes` are the lengths of ink and
     /// gap in turn, running on from segment to segment; empty = solid.
@@ -80,31 +80,27 @@ public:
     void paint(Canvas& canvas, Rgb8 colour, double opacity = 1);
 
 private:
-    ImageBackend& backend_;
     PixelBox box_;
     std::vector<Figure> figures_;
 };
 
 /// Writes the pixels as a PNG. Throws as `ImageBackend::open_png` does.
-void save_png(ImageBackend& backend, const std::filesystem::path& path, const Canvas& canvas);
+void save_png(const std::filesystem::path& path, const Canvas& canvas);
 
 /// `text` in lines of at most `width` pixels, broken between words, and inside a word only where it alone is wider.
-[[nodiscard]] std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold,
-                                                int width);
+[[nodiscard]] std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width);
 
 /// `text` in one line of at most `width` pixels: smaller letters first, then `…` in the middle.
-[[nodiscard]] TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width);
+[[nodiscard]] TextBitmap fit_text(std::string_view text, int size, bool bold, int width);
 
 /// `text` in at most that many lines of `width` pixels, the last of them as `fit_text` makes it.
-[[nodiscard]] std::vector<TextBitmap> wrap_text_into(ImageBackend& backend, std::string_view text, int size, int width,
-                                                     std::size_t most);
+[[nodiscard]] std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t most);
 
 /// The heading of a picture `width` pixels wide: the title, and the smaller lines below it.
-[[nodiscard]] Canvas heading(ImageBackend& backend, std::string_view title, std::span<const std::string> subtitle,
-                             int width);
+[[nodiscard]] Canvas heading(std::string_view title, std::span<const std::string> subtitle, int width);
 
 /// The colour bar with its ticks to the right and its unit above, `height` pixels in all.
-[[nodiscard]] Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_view unit, int height);
+[[nodiscard]] Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height);
 
 /// One class in the legend: its colour, its name and how often it occurs.
 struct LegendEntry {
@@ -118,7 +114,7 @@ struct LegendEntry {
 class Legend {
 public:
     /// `widest` lists every entry that may come, with the widest `count` it can have.
-    Legend(ImageBackend& backend, std::span<const LegendEntry> widest, int width);
+    Legend(std::span<const LegendEntry> widest, int width);
 
     [[nodiscard]] int height() const noexcept { return height_; }
 
@@ -126,7 +122,6 @@ public:
     [[nodiscard]] Canvas draw(std::span<const LegendEntry> entries) const;
 
 private:
-    ImageBackend& backend_;
     int width_, height_ = 0, columns_ = 1, column_width_ = 1;
     std::size_t capacity_;
 };

@@ -17,21 +17,21 @@ constexpr int note_line = 14;
 
 /// The name of a form in one line where it fits, small or not; one that is made of others, `FORM^BOX@SPACE`, else in
 /// a line for each: shortened in the middle, two of them look alike.
-std::vector<TextBitmap> name_lines(ImageBackend& backend, std::string_view name, int width) {
+std::vector<TextBitmap> name_lines(std::string_view name, int width) {
     std::vector<TextBitmap> lines;
-    if (backend.render_text(name, style::smallest_size, true).width > width) {
+    if (image_backend().render_text(name, style::smallest_size, true).width > width) {
         for (std::size_t next; (next = name.find_first_of("^@~+", 1)) != std::string_view::npos;
              name.remove_prefix(next))
-            lines.push_back(fit_text(backend, name.substr(0, next), style::text_size, true, width));
+            lines.push_back(fit_text(name.substr(0, next), style::text_size, true, width));
     }
-    lines.push_back(fit_text(backend, name, style::text_size, true, width));
+    lines.push_back(fit_text(name, style::text_size, true, width));
     return lines;
 }
 
 }  // namespace
 
-ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& path, SheetSpec spec)
-    : backend_(backend), spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
+ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
+    : spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
     if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.formats.size())
         throw std::logic_error(path.string() + ": neither one colour bar nor one a line");
     if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
@@ -44,11 +44,11 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     const std::size_t blocks = (spec_.forms.size() + most_columns - 1) / most_columns;
     columns_ = static_cast<int>((spec_.forms.size() + blocks - 1) / blocks);
     for (const auto& format : spec_.formats) {
-        row_label_width_ = std::max(row_label_width_, backend.render_text(format, style::text_size, true).width);
+        row_label_width_ =
+            std::max(row_label_width_, image_backend().render_text(format, style::text_size, true).width);
     }
     for (const auto& form : spec_.forms)
-        head_ = std::max(head_,
-                         column_head + name_line * static_cast<int>(name_lines(backend, form, cell_width_).size() - 1));
+        head_ = std::max(head_, column_head + name_line * static_cast<int>(name_lines(form, cell_width_).size() - 1));
     const bool bar_a_line = spec_.scales.size() > 1;
     row_height_ =
         std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line, bar_a_line ? line_bar : 0) +
@@ -63,18 +63,18 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
         const int one = std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
                                    style::least_bar, style::most_bar);
         bars_.push_back(
-            colour_bar(backend, scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
+            colour_bar(scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
         bar_width = std::max(bar_width, bars_.back().width());
         bar_height = bars_.back().height();
     }
     if (!bars_.empty()) content += style::gap + bar_width;
     content = std::max(content, style::least_content);
-    heading_ = heading(backend, spec_.title, spec_.subtitle, content);
-    legend_.emplace(backend, spec_.legend, content);
+    heading_ = heading(spec_.title, spec_.subtitle, content);
+    legend_.emplace(spec_.legend, content);
     page_width_ = content + 2 * style::margin;
     page_height_ = style::margin + heading_.height() + style::gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
                    legend_->height() + style::margin;
-    png_ = backend.open_png(path, page_width_, page_height_);
+    png_ = image_backend().open_png(path, page_width_, page_height_);
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
@@ -107,7 +107,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
             }
         }
     } else {
-        const auto text = fit_text(backend_, "not in this format", style::small_size, false, thumb_width_ - 4);
+        const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
@@ -122,7 +122,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     std::string_view rest = note;
     while (!rest.empty()) {
         const auto line = rest.substr(0, rest.find('\n'));
-        for (auto& text : wrap_text(backend_, line, style::small_size, false, cell_width_)) {
+        for (auto& text : wrap_text(line, style::small_size, false, cell_width_)) {
             lines.push_back(std::move(text));
         }
         rest.remove_prefix(std::min(line.size() + 1, rest.size()));
@@ -135,7 +135,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     for (const std::string_view half : {note.substr(0, cut), note.substr(cut)}) {
         std::string flat(half.substr(std::min(half.find_first_not_of(" \n"), half.size())));
         std::ranges::replace(flat, '\n', ' ');
-        lines.push_back(fit_text(backend_, flat, style::small_size, false, cell_width_));
+        lines.push_back(fit_text(flat, style::small_size, false, cell_width_));
     }
     return lines;
 }
@@ -165,13 +165,13 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         const int x = style::margin + row_label_width_ + style::gap +
                       static_cast<int>(place % per_block) * (cell_width_ + style::gap);
         const int block_y = top + static_cast<int>(place / per_block) * (block_height_ + block_gap);
-        const auto names = name_lines(backend_, spec_.forms[form], cell_width_);
+        const auto names = name_lines(spec_.forms[form], cell_width_);
         for (std::size_t i = 0; i < names.size(); ++i)
             page.text(x, block_y + static_cast<int>(i) * name_line, names[i], style::ink);
         for (std::size_t format = 0; format < spec_.formats.size(); ++format) {
             const int y = block_y + head_ + static_cast<int>(format) * row_height_;
             if (place % per_block == 0) {
-                const auto label = backend_.render_text(spec_.formats[format], style::text_size, true);
+                const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
                 page.text(style::margin, y + (thumb_height_ - label.height) / 2, label, style::ink);
             }
             draw_cell(page, x, y, cell(form, format));

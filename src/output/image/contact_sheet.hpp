@@ -80,7 +80,7 @@ struct SheetSpec {
 class ContactSheet {
 public:
     /// Opens `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
-    ContactSheet(ImageBackend& backend, const std::filesystem::path& path, SheetSpec spec);
+    ContactSheet(const std::filesystem::path& path, SheetSpec spec);
 
     /// Rows of the field of one cell, as Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
@@ -102,7 +102,6 @@ private:
     [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
 
-    ImageBackend& backend_;
     SheetSpec spec_;
     std::vector<Cell> cells_;  // format by format
     int thumb_width_, thumb_height_;

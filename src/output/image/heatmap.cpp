@@ -16,8 +16,7 @@ int choose_factor(int width, int height) {
 
 }  // namespace
 
-HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path& path, HeatmapSpec spec)
-    : backend_(backend), spec_(std::move(spec)) {
+HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec) : spec_(std::move(spec)) {
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
     factor_ = choose_factor(spec_.width, spec_.height);
     field_width_ = spec_.width * factor_;
@@ -25,19 +24,17 @@ HeatmapWriter::HeatmapWriter(ImageBackend& backend, const std::filesystem::path&
     body_height_ = field_height_ + 2;  // the frame
     int content = field_width_ + 2;
     if (spec_.scale) {
-        bar_ =
-            colour_bar(backend, *spec_.scale, spec_.unit, std::clamp(body_height_, style::least_bar, style::most_bar));
+        bar_ = colour_bar(*spec_.scale, spec_.unit, std::clamp(body_height_, style::least_bar, style::most_bar));
         content += style::gap + bar_.width();
         body_height_ = std::max(body_height_, bar_.height());
     }
     content = std::max(content, style::least_content);
     page_width_ = content + 2 * style::margin;
-    const Canvas head = heading(backend, spec_.title, spec_.subtitle, content);
-    legend_.emplace(backend, spec_.legend, content);
-    caption_lines_ =
-        static_cast<int>(wrap_text(backend, spec_.widest_caption, style::text_size, false, content).size());
+    const Canvas head = heading(spec_.title, spec_.subtitle, content);
+    legend_.emplace(spec_.legend, content);
+    caption_lines_ = static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, false, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
-    png_ = backend.open_png(path, page_width_, head_height + body_height_ + foot_height());
+    png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
     Canvas top(page_width_, head_height);
     top.picture(style::margin, style::margin, head);
     png_->write_rows(top.height(), top.pixels());
@@ -89,7 +86,7 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     put_body_row(rim);
     while (body_y_ < body_height_) put_body_row({});
     Canvas foot(page_width_, foot_height());
-    const auto lines = wrap_text_into(backend_, caption, style::text_size, page_width_ - 2 * style::margin,
+    const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
     for (std::size_t i = 0; i < lines.size(); ++i)
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],

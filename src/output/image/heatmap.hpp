@@ -31,7 +31,7 @@ struct HeatmapSpec {
 class HeatmapWriter {
 public:
     /// Opens `path` and writes the heading. Throws EnvironmentError, and std::logic_error for a field without samples.
-    HeatmapWriter(ImageBackend& backend, const std::filesystem::path& path, HeatmapSpec spec);
+    HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec);
 
     /// The next rows of the field, whole rows from top to bottom. Throws EnvironmentError (a full disk), and
     /// std::logic_error for a part of a row or a row too many.
@@ -46,7 +46,6 @@ public:
 private:
     void put_body_row(std::span<const Rgb8> samples);
 
-    ImageBackend& backend_;
     HeatmapSpec spec_;
     [[nodiscard]] int foot_height() const;
     [[nodiscard]] int caption_height() const;

@@ -25,7 +25,7 @@ std::string plain_name(Outcome o) {
     return name;
 }
 
-ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
+ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
                          const std::optional<BarRange>& range) {
     using measure::metric::Ramp;
     const bool magnitude = metric.ramp == Ramp::magnitude;
@@ -35,7 +35,8 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
     const image::Spacing spacing = magnitude                             ? image::Spacing::log2
                                    : metric.ramp == Ramp::lost && !range ? image::Spacing::root
                                                                          : image::Spacing::linear;
-    return {"viridis", backend.ramp("viridis", 256), range ? range->lo : low, range ? range->hi : high, spacing};
+    return {"viridis", image::image_backend().ramp("viridis", 256), range ? range->lo : low, range ? range->hi : high,
+            spacing};
 }
 
 namespace {
@@ -50,9 +51,10 @@ int common_precision(std::span<const measure::evaluate::TestedForm> rows) {
 
 }  // namespace
 
-LostBitsScale::LostBitsScale(std::span<const measure::evaluate::TestedForm> rows, image::ImageBackend& backend)
+LostBitsScale::LostBitsScale(std::span<const measure::evaluate::TestedForm> rows)
     : precision_(common_precision(rows)),
-      bar_("viridis", backend.ramp("viridis", 256), 0, precision_ ? precision_ : 100, image::Spacing::root),
+      bar_("viridis", image::image_backend().ramp("viridis", 256), 0, precision_ ? precision_ : 100,
+           image::Spacing::root),
       unit_(precision_ ? "lost bits" : "% of the significand lost") {}
 
 Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {

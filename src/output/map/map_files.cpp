@@ -13,7 +13,6 @@
 
 namespace lostbits::output::map {
 
-using file::CsvWriter;
 using measure::evaluate::EvaluationRequest;
 using measure::evaluate::EvaluationSink;
 using measure::evaluate::FormSummary;
@@ -23,15 +22,11 @@ using measure::evaluate::TestedForm;
 class RowFiles final : public EvaluationSink {
 public:
     RowFiles(const EvaluationRequest& request, std::size_t place, const MapFilesOptions& options, MapPictures& pictures)
-        : place_(place),
-          row_(request.rows[place]),
-          options_(options),
-          pictures_(pictures),
-          pixel_table_(pixel_table(request.metrics)) {
-        if (options.pixels_csv && !options.keep)
-            csv_.emplace(options.folder, row_name(row_) + ".csv",
+        : place_(place), row_(request.rows[place]), options_(options), pictures_(pictures) {
+        if (options.pixels_csv)
+            csv_.emplace(options.keep ? "" : options.folder, row_name(row_) + ".csv",
                          fmt::format("One row per pixel: {} in {}", row_.form->info->name, row_.format.name),
-                         pixel_table_);
+                         pixel_table(request.metrics));
     }
 
     void band(const measure::evaluate::BandResult& result) override {
@@ -39,11 +34,8 @@ public:
         if (options_.exr)
             piece.exr = options_.exr->rows_of(row_, result,
                                               piece.strips.empty() ? outcomes_of(result) : piece.strips[0].colours);
-        if (options_.pixels_csv) {
-            CsvWriter lines(pixel_table_.columns());
-            for (std::size_t i = 0; i < result.outcomes.size(); ++i) pixel_table_.add_row(lines, {&result, i, &row_});
-            piece.lines = lines.take_lines();
-        }
+        for (std::size_t i = 0; csv_ && i < result.outcomes.size(); ++i) csv_->add({&result, i, &row_});
+        if (csv_ && options_.keep) piece.lines = csv_->take_lines();
         if (options_.keep) options_.keep(place_, std::move(piece));
         else put(piece);
     }
@@ -54,12 +46,8 @@ public:
         if (csv_) csv_->add_lines(piece.lines);
     }
 
-    void finish() {
-        if (csv_) csv_->close();
-    }
-
     /// Of its pixels, where there is one.
-    [[nodiscard]] const std::optional<table::TableFile<BandRay>>& table() const { return csv_; }
+    [[nodiscard]] std::optional<table::TableFile<BandRay>>& table() { return csv_; }
 
 private:
     /// The preview of a row that none of the metrics applies to.
@@ -73,7 +61,6 @@ private:
     const TestedForm& row_;
     const MapFilesOptions& options_;
     MapPictures& pictures_;
-    table::Table<BandRay> pixel_table_;
     std::optional<table::TableFile<BandRay>> csv_;
 };
 
@@ -131,7 +118,6 @@ void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->pu
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     p.pictures->finish(summaries);
-    for (const auto& row : p.rows) row->finish();
     if (!p.summary) return;
     const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.name_of_ray ? p.options.name_of_ray(ray)
@@ -141,16 +127,8 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, name_of));
         if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
     }
-
-    std::vector<file::DataResource> resources{p.summary->about()};
-    if (p.culprits) resources.push_back(p.culprits->about());
-    for (const auto& row : p.rows)
-        if (row->table()) resources.push_back(row->table()->about());
-    resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     if (p.options.exr) p.options.exr->close();
-    if (p.culprits) p.culprits->close();
-    p.summary->close();  // last: a folder with a summary is a finished one
+    table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows, p.options.also);
 }
 
 }  // namespace lostbits::output::map

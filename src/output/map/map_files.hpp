@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "output/file/datapackage.hpp"
+#include "output/file/csv.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_tables.hpp"

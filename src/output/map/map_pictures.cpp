@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "output/blame/explain_command.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 
@@ -39,13 +40,13 @@ std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFiles
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn) {
         const auto draws = [m](const TestedForm& row) {
-            return MetricPaint(*m, row.format.parameters, image::image_backend()).applies_to(row);
+            return MetricPaint(*m, row.format.parameters).applies_to(row);
         };
         const auto first = std::ranges::find_if(request.rows, draws);
         if (first == request.rows.end()) continue;
         const auto same = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_with(*m); });
         if (same != sheets.end()) same->metrics.push_back(m);
-        else sheets.push_back({MetricPaint(*m, first->format.parameters, image::image_backend(), options.range), {m}});
+        else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
     }
     return sheets;
 }
@@ -77,7 +78,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
         static_cast<void>(find_or_add(sheet.forms, short_name(*row.form->info)));
         for (const Metric* m : sheet.metrics) {
             if (find_or_add(sheet.lines, sheet.line_name(row, *m)) < scales.size() || !sheet.paint.scale()) continue;
-            scales.push_back(metric_scale(*m, row.format.parameters, image::image_backend(), options_.range));
+            scales.push_back(metric_scale(*m, row.format.parameters, options_.range));
         }
     }
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
@@ -106,8 +107,7 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         const TestedForm& row = request_.rows[r];
         for (const Metric* m : options_.drawn) {
-            const auto paint =
-                std::make_shared<const MetricPaint>(*m, row.format.parameters, image::image_backend(), options_.range);
+            const auto paint = std::make_shared<const MetricPaint>(*m, row.format.parameters, options_.range);
             if (!paint->applies_to(row)) continue;
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
@@ -207,9 +207,8 @@ std::string input_note(const scene::file::Scene& scene, std::span<const measure:
         if (!holds_shared_inputs(row.format.parameters)) static_cast<void>(find_or_add(narrow, row.format.name));
     }
     if (narrow.empty()) return "";
-    std::string names = narrow.front();
-    for (std::size_t i = 1; i < narrow.size(); ++i) names += (i + 1 == narrow.size() ? " and " : ", ") + narrow[i];
-    return fmt::format("in {} the inputs are rounded too: errors include what that costs (metric input_error)", names);
+    return fmt::format("in {} the inputs are rounded too: errors include what that costs (metric input_error)",
+                       file::enumerated(narrow));
 }
 
 std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,

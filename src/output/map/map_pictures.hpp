@@ -9,7 +9,7 @@
 
 #include "measure/evaluate/evaluate.hpp"
 #include "number/format.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/pixel/columns.hpp"
 #include "scene/file/scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 
 #include <fmt/format.h>
 
@@ -89,12 +89,11 @@ Rgb8 category_colour(const Metric& metric, std::size_t category) {
 
 }  // namespace
 
-MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
-                         const std::optional<BarRange>& range)
+MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range)
     : metric_(&metric), precision_(format.precision), ranged_(range.has_value()) {
     auto& categories = look_.categories;
     if (metric.ramp != measure::metric::Ramp::categories) {
-        look_.scale = metric_scale(metric, format, backend, range);
+        look_.scale = metric_scale(metric, format, range);
         categories.push_back({""});
     }
     for (std::size_t c = 0; c < metric.categories.size(); ++c)

@@ -13,7 +13,6 @@
 namespace lostbits::output::map {
 
 using file::Cell;
-using file::CsvWriter;
 using intersect::Info;
 using measure::answer::Outcome;
 using measure::evaluate::NeededBand;
@@ -31,12 +30,12 @@ namespace {
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
 /// The width that a pixel needs, and what has no place on the scale.
-pixel::Look needed_look(image::ImageBackend& backend) {
+pixel::Look needed_look() {
     using measure::evaluate::least_width, measure::evaluate::most_width;
     return {{{""},
              {fmt::format("not even {} bits are enough", most_width), beyond_colour},
              {plain_name(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
-            image::ColourScale("viridis", backend.ramp("viridis", 256), least_width, most_width),
+            image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), least_width, most_width),
             "bits"};
 }
 
@@ -49,7 +48,7 @@ using NeededColumns = pixel::ColumnFiles<NeededBand>;
 
 /// A picture a form.
 NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions& options) {
-    const auto look = std::make_shared<const pixel::Look>(needed_look(image::image_backend()));
+    const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<NeededBand>> columns;
     for (const intersect::table::Intersector* form : request.forms)
         columns.push_back(
@@ -143,17 +142,19 @@ class NeededFormFiles final : public NeededSink {
 public:
     NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
                     NeededColumns& pictures)
-        : place_(place), pixel_table_(needed_pixel_table(request.bits)), options_(options), pictures_(pictures) {
+        : place_(place), options_(options), pictures_(pictures) {
         const Info& form = *request.forms[place]->info;
-        if (options.pixels_csv && !options.keep)
-            csv_.emplace(options.folder, stem(form) + ".csv",
-                         fmt::format("One row per pixel: bits needed by {}", form.name), pixel_table_);
+        if (options.pixels_csv)
+            csv_.emplace(options.keep ? "" : options.folder, stem(form) + ".csv",
+                         fmt::format("One row per pixel: bits needed by {}", form.name),
+                         needed_pixel_table(request.bits));
     }
 
     void band(const NeededBand& result) override {
         MapPiece piece{.y0 = result.y0, .strips = pictures_.draw(place_, result, result.needed.size())};
         if (options_.exr) piece.exr = options_.exr->rows_of(result, piece.strips[0].colours);
-        if (options_.pixels_csv) piece.lines = pixel_lines(result);
+        for (std::size_t i = 0; csv_ && i < result.needed.size(); ++i) csv_->add({&result, i, result.truth(i)});
+        if (csv_ && options_.keep) piece.lines = csv_->take_lines();
         if (options_.keep) options_.keep(place_, std::move(piece));
         else put(piece);
     }
@@ -165,21 +166,10 @@ public:
     }
 
     /// Of its pixels, where there is one.
-    [[nodiscard]] const std::optional<table::TableFile<NeededPixel>>& table() const { return csv_; }
-
-    void finish() {
-        if (csv_) csv_->close();
-    }
+    [[nodiscard]] std::optional<table::TableFile<NeededPixel>>& table() { return csv_; }
 
 private:
-    [[nodiscard]] std::string pixel_lines(const NeededBand& result) const {
-        CsvWriter csv(pixel_table_.columns());
-        for (std::size_t i = 0; i < result.needed.size(); ++i) pixel_table_.add_row(csv, {&result, i, result.truth(i)});
-        return csv.take_lines();
-    }
-
     std::size_t place_;  ///< of the form in the request
-    Table<NeededPixel> pixel_table_;
     const NeededFilesOptions& options_;
     NeededColumns& pictures_;
     std::optional<table::TableFile<NeededPixel>> csv_;
@@ -225,7 +215,7 @@ void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
-        p.forms[f]->finish();
+        if (auto& pixels = p.forms[f]->table()) pixels->close();
         p.table->add({p.request.forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "measure/evaluate/needed.hpp"
-#include "output/file/datapackage.hpp"
+#include "output/file/csv.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
 

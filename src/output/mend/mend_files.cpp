@@ -10,7 +10,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/map/row_names.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/speed/kernel_rows.hpp"
+#include "output/speed/trade_files.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::mend {
@@ -130,7 +130,7 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
                  {"catalogue", 0, plot::ink_colour},
                  {"decides more rays wrongly than wished", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    plot::write_scatter_plot(image::image_backend(), path, spec);
+    plot::write_scatter_plot(path, spec);
 }
 
 Table<FormRow> form_table() {

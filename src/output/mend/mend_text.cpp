@@ -1,4 +1,4 @@
-#include "output/mend/mend_text.hpp"
+#include "output/mend/mend_files.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,8 @@
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "output/choice/choice_text.hpp"
+#include "output/choice/choice_files.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/mend/mend_files.hpp"
 
 namespace lostbits::output::mend {
 

@@ -1,9 +1,8 @@
-#include "output/offset/along_files.hpp"
+#include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
 
 #include "output/image/image.hpp"
-#include "output/offset/offset_files.hpp"
 #include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::offset {
@@ -67,7 +66,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
     spec.notes = {
         "wrong: a self-hit by truth or by the form's arithmetic, or an occluder or the way out lost",
         "shares are of the points that the form finds: where it misses or names another solid, there is none"};
-    plot::write_line_plot(image::image_backend(), file_of(row, side, "wrong"), spec);
+    plot::write_line_plot(file_of(row, side, "wrong"), spec);
 }
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
@@ -89,7 +88,7 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
     }
     spec.notes = {"dashed: the largest of the smallest safe offsets of all points; the others: medians over the points",
                   "where no point needs an offset, or none is enough, the dashed line has no place"};
-    plot::write_line_plot(image::image_backend(), file_of(row, side, "size"), spec);
+    plot::write_line_plot(file_of(row, side, "size"), spec);
 }
 
 void AlongFiles::finish() {

@@ -174,33 +174,17 @@ std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::ro
 
 std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
 
-OffsetPictures::OffsetPictures(const OffsetRequest& request, const std::filesystem::path& sheet,
-                               const std::filesystem::path& singles)
-    : request_(request),
-      files_({.scene = *request.scene,
-              .sheets = {{sheet, sheet_spec(request), true}},
-              .singles = singles,
-              .stop = request.limit.stop},
-             columns_of(request)) {}
-
-void OffsetPictures::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
+void OffsetFiles::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
     if (side.safe.count() > 0)
-        files_.writer().set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)",
-                                                        side.safe.quantile(0.5), side.safe.quantile(1)));
+        pictures_.writer().set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)",
+                                                           side.safe.quantile(0.5), side.safe.quantile(1)));
     for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
         const auto& of = side.strategies[k];
         std::string note =
             side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
         if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
-        files_.writer().set_note({k + 1, line}, note);
+        pictures_.writer().set_note({k + 1, line}, note);
     }
-}
-
-void OffsetPictures::finish(const std::vector<OffsetSummary>& summaries) {
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        for (const Side side : both_sides) add_notes(line_of(r, side), summaries[r].on(side));
-    }
-    files_.writer().finish();
 }
 
 Table<StrategyRow> strategy_table() {
@@ -233,12 +217,16 @@ std::vector<StrategyRow> strategy_rows(const OffsetRequest& request, const std::
     return rows;
 }
 
-OffsetFiles::OffsetFiles(const OffsetRequest& request, OffsetFilesOptions options)
+OffsetFiles::OffsetFiles(const OffsetRequest& request, pixel::SceneFilesOptions options)
     : request_(request),
       options_(std::move(options)),
       table_(options_.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
              strategy_table()),
-      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+      pictures_({.scene = *request.scene,
+                 .sheets = {{options_.sheet(), sheet_spec(request), true}},
+                 .singles = options_.folder_of_singles(),
+                 .stop = request.limit.stop},
+                columns_of(request)) {
     if (!options_.pixels_csv) return;
     for (const OffsetRow& row : request.rows)
         pixels_.push_back(std::make_unique<table::TableFile<OffsetPixel>>(options_.folder, row_name(row) + ".csv",
@@ -247,14 +235,17 @@ OffsetFiles::OffsetFiles(const OffsetRequest& request, OffsetFilesOptions option
 }
 
 void OffsetFiles::band(std::size_t row, const OffsetBand& band) {
-    pictures_.band(row, band);
+    pictures_.take(row, band, band.y0, band.is_point.size());
     if (pixels_.empty()) return;
     for (std::size_t i = 0; i < band.is_point.size(); ++i)
         if (band.is_point[i] != 0) pixels_[row]->add({&band, i});
 }
 
 void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
-    pictures_.finish(summaries);
+    for (std::size_t r = 0; r < summaries.size(); ++r)
+        for (const Side side : both_sides) add_notes(line_of(r, side), summaries[r].on(side));
+    pictures_.writer().finish();
+    if (options_.folder.empty()) return;
     table_.add_all(strategy_rows(request_, summaries));
     table::close_tables(options_.folder, request_.scene->title, table_, pixels_, options_.also);
 }

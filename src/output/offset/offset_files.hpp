@@ -1,4 +1,5 @@
-// The files of offsets over a scene: pictures, the contact sheet, one row per pixel, summary.csv.
+// The files of offsets over a scene, pictures, the contact sheet, one row per pixel, summary.csv, and of offsets along
+// an axis: a table, and two plots for each row and side.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/offset/along.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/pixel/columns.hpp"
 #include "output/table/table.hpp"
@@ -18,35 +20,6 @@ namespace lostbits::output::offset {
 [[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
 /// `away from the solid`, `into the solid`
 [[nodiscard]] std::string in_words(measure::offset::Side side);
-
-/// The offsets of a scene on one page, and a picture each: the smallest safe offset and the strategies across; forms,
-/// formats, kinds of points and sides down.
-class OffsetPictures final : public measure::offset::OffsetSink {
-public:
-    /// Opens the sheet and, in the folder `singles`, a picture for each of its cells:
-    /// `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png`. `request` must outlive it.
-    OffsetPictures(const measure::offset::OffsetRequest& request, const std::filesystem::path& sheet,
-                   const std::filesystem::path& singles = {});
-
-    void band(std::size_t row, const measure::offset::OffsetBand& band) override {
-        files_.take(row, band, band.y0, band.is_point.size());
-    }
-    /// Draws the page and gives the files their final names.
-    void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
-
-private:
-    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
-
-    const measure::offset::OffsetRequest& request_;
-    pixel::ColumnFiles<measure::offset::OffsetBand> files_;
-};
-
-struct OffsetFilesOptions {
-    std::filesystem::path folder;               ///< of this scene; made if missing
-    bool pixels_csv = false;                    ///< also one row per pixel
-    bool singles = false;                       ///< also a picture for each cell of the sheet
-    std::vector<file::DataResource> also = {};  ///< other tables in the folder
-};
 
 struct OffsetPixel {
     const measure::offset::OffsetBand* band;
@@ -69,19 +42,24 @@ struct StrategyRow {
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// The pictures are those of `OffsetPictures`; `<form>.<format>.<point>.csv` has one row per pixel.
+/// All offsets are on one page: the smallest safe offset and the strategies across; forms, formats, kinds of points and
+/// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells, and
+/// `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
-    OffsetFiles(const measure::offset::OffsetRequest& request, OffsetFilesOptions options);
+    /// `request` must outlive it.
+    OffsetFiles(const measure::offset::OffsetRequest& request, pixel::SceneFilesOptions options);
 
     void band(std::size_t row, const measure::offset::OffsetBand& band) override;
     void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
 
 private:
+    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
+
     const measure::offset::OffsetRequest& request_;
-    OffsetFilesOptions options_;
+    pixel::SceneFilesOptions options_;
     table::TableFile<StrategyRow> table_;
-    OffsetPictures pictures_;
+    pixel::ColumnFiles<measure::offset::OffsetBand> pictures_;
     std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
 };
 
@@ -90,5 +68,37 @@ private:
 /// strategy too: the point stays). Nothing where no point counts.
 [[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetRequest& request, std::size_t r,
                                                     const measure::offset::OffsetSummary& summary);
+
+/// A strategy at a place on the axis.
+struct PlaceRow {
+    double place;
+    StrategyRow of;
+};
+
+/// `along.<axis>.csv` is the summary with the place on the axis in front; `along.<axis>.<row>.<side>.wrong.png` the
+/// share of rays that go wrong, and `….size.png` the offsets beside the smallest safe one.
+class AlongFiles {
+public:
+    /// Opens the table. `request`, of the scene as it is, must outlive it.
+    AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetRequest& request,
+               measure::offset::Along along);
+
+    void add(double k, std::vector<measure::offset::OffsetSummary> summaries);
+    /// Draws the plots and gives the table its final name.
+    void finish();
+    [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
+
+private:
+    void plot_wrong(std::size_t row, measure::offset::Side side) const;
+    void plot_size(std::size_t row, measure::offset::Side side) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row, measure::offset::Side side, const char* what) const;
+
+    std::filesystem::path folder_;
+    const measure::offset::OffsetRequest& request_;
+    measure::offset::Along along_;
+    table::TableFile<PlaceRow> table_;
+    std::vector<double> steps_;
+    std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< step by step
+};
 
 }  // namespace lostbits::output::offset

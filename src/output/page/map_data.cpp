@@ -11,9 +11,8 @@
 #include "measure/truth/reach.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/page/ray_data.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {
@@ -215,7 +214,7 @@ std::vector<EvaluationSink*> MapData::sinks() {
 namespace {
 
 Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
-    const map::MetricPaint paint(m, rows.front().format.parameters, image::image_backend());
+    const map::MetricPaint paint(m, rows.front().format.parameters);
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
@@ -229,7 +228,7 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     if (paint.scale()) {  // one a format, as the pictures have it
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& row : rows)
-            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters, image::image_backend()));
+            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters));
         return json;
     }
     Json& categories = json["categories"] = Json::array();

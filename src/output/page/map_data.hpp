@@ -1,7 +1,9 @@
-// The pixels of a map as the page holds them: what the CSV says of every ray, in a few bytes each.
+// The pixels of a map as the page holds them, what the CSV says of every ray in a few bytes each; and the rays whose
+// operations it holds, as `lostbits explain` has them.
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,26 @@
 #include "output/page/text.hpp"
 
 namespace lostbits::output::page {
+
+/// A pixel whose operations are held, and why: words that the page writes as it writes names of outcomes.
+struct ChosenRay {
+    int x, y;
+    std::vector<std::string> why;
+};
+
+/// A picture is cut into so many parts each way, and the worst ray of each part is chosen.
+inline constexpr std::size_t parts_each_way = 4;
+
+/// The worst ray first, then the first of each kind of wrong decision, the largest and the median error, and the worst
+/// of each part of the picture, each once. `sizes`: a pixel each, |ulp_error| of a correct hit, infinity of a wrong
+/// decision, NaN of what has no error.
+[[nodiscard]] std::vector<ChosenRay> choose_rays(const measure::evaluate::FormSummary& summary,
+                                                 std::span<const float> sizes, int width);
+
+/// What `explain` says of each ray: its sentences, and its table a row an operation. Of a form that is compiled
+/// elsewhere nothing is known.
+[[nodiscard]] Json rays_json(const measure::evaluate::EvaluationRequest& request,
+                             const measure::evaluate::TestedForm& row, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data and the name that the page finds it by.
 struct Blob {

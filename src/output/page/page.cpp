@@ -70,13 +70,13 @@ std::string why_no_plots() {
 
 /// The colours of the PNGs: the ramp, the outcomes and the hit without a value.
 Json colours_json() {
-    image::ImageBackend& backend = image::image_backend();
     std::string ramp;
-    for (const image::Rgb8& c : backend.ramp("viridis", 256)) ramp += fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b);
+    for (const image::Rgb8& c : image::image_backend().ramp("viridis", 256))
+        ramp += fmt::format("{:02x}{:02x}{:02x}", c.r, c.g, c.b);
     Json outcomes = Json::array();
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o)
         outcomes.push_back(Json::array({measure::answer::outcome_names[o], colour_json(image::outcome_colours[o])}));
-    const image::ColourScale any("viridis", backend.ramp("viridis", 2), 0, 1);
+    const image::ColourScale any("viridis", image::image_backend().ramp("viridis", 2), 0, 1);
     return {{"ramp", ramp},
             {"outcomes", std::move(outcomes)},
             {"no_value",

@@ -9,9 +9,9 @@
 
 #include "measure/claim/claim.hpp"
 #include "measure/offset/offsets.hpp"
-#include "output/choice/choice_text.hpp"
+#include "output/choice/choice_files.hpp"
 #include "output/claim/claim_files.hpp"
-#include "output/mend/mend_text.hpp"
+#include "output/mend/mend_files.hpp"
 #include "output/page/map_data.hpp"
 
 namespace lostbits::output::page {

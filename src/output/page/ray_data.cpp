@@ -1,4 +1,4 @@
-#include "output/page/ray_data.hpp"
+#include "output/page/map_data.hpp"
 
 #include <fmt/format.h>
 

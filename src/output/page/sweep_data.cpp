@@ -98,8 +98,8 @@ namespace {
 /// colours are mixed with.
 void add_paint(Json& json, const std::vector<measure::evaluate::TestedForm>& rows) {
     for (const measure::evaluate::TestedForm& row : rows)
-        json["scales"][row.format.name] = scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"),
-                                                                       row.format.parameters, image::image_backend()));
+        json["scales"][row.format.name] =
+            scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), row.format.parameters));
     json["paper"] = colour_json(image::style::page);
     json["gap_means"] = sweep::gap_means();
     json["statistics"] = sweep_statistics;

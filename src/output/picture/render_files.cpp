@@ -74,19 +74,26 @@ RenderExr::RenderExr(const std::filesystem::path& path, const measure::picture::
     book_ = std::make_unique<image::ExrBook>(path, std::vector{image::ExrPart{"", spec}});
 }
 
-RenderFiles::RenderFiles(const RenderRequest& request, RenderFilesOptions options)
+RenderFiles::RenderFiles(const RenderRequest& request, pixel::SceneFilesOptions options)
     : request_(request),
       options_(std::move(options)),
       table_(options_.folder, "summary.csv", "One row per stage, form and format", stage_table()),
-      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+      grid_(request.rows),
+      pictures_(render_pictures(request, grid_, options_)) {
+    if (options_.folder.empty()) return;
     for (const TestedForm& row : request.rows)
         layers_.emplace_back(options_.folder / (map::row_name(row) + ".exr"), request, row, options_.command);
 }
 
 void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& summaries) {
     for (RenderExr& exr : layers_) exr.close();
-    pictures_.finish(summaries);
     const std::size_t stages = request_.stages.size();
+    for (std::size_t k = 0; k < summaries.size(); ++k) {
+        const map::RowGrid::Place at = grid_.places[k / stages];
+        pictures_.writer().set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
+    }
+    pictures_.writer().finish();
+    if (options_.folder.empty()) return;
     for (std::size_t s = 0; s < stages; ++s)
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             table_.add({request_.stages[s], &request_.rows[r], &summaries[r * stages + s]});

@@ -3,22 +3,42 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "measure/picture/render.hpp"
 #include "output/image/exr_book.hpp"
-#include "output/picture/render_pictures.hpp"
+#include "output/map/row_names.hpp"
+#include "output/pixel/columns.hpp"
 #include "output/pixel/exr_layers.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::picture {
 
-struct RenderFilesOptions {
-    std::filesystem::path folder;  ///< of this scene; made if missing
-    std::string command;           ///< what to type to make these files again, for the EXR header
-    bool singles = false;          ///< also each picture alone, and its difference maps
+/// A pixel of a picture: NaN, and a colour that is not proved, are no colour of the picture.
+[[nodiscard]] pixel::PixelValue pixel_of(const measure::picture::Painted& painted);
+[[nodiscard]] const pixel::Look& picture_look();
+/// Of maps of differences, in the order of `Seen`: what both see alike is a number, and black where it is not.
+[[nodiscard]] std::vector<pixel::Category> seen_categories();
+/// In the order of `Shadow`, and one more: what is not seen alike shares black with NaN.
+[[nodiscard]] std::vector<pixel::Category> shadow_categories();
+
+/// Some lines of a row, or of the certified picture.
+struct RenderStrip {
+    const measure::picture::RenderBand* band;
+    std::span<const measure::picture::TruePixel> truth;
 };
+
+/// On the sheet forms across, the certified picture first; stages and formats down. Alone, `<stage>.reference.png` and
+/// `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is the difference of the two,
+/// and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that all stages share, the last
+/// two where a stage needs them. `request` must outlive the columns.
+[[nodiscard]] pixel::ColumnFiles<RenderStrip> render_pictures(const measure::picture::RenderRequest& request,
+                                                              const map::RowGrid& grid,
+                                                              const pixel::SceneFilesOptions& options);
+/// The note under a thumbnail: what a glance should take away.
+[[nodiscard]] std::string glance(const measure::picture::RenderSummary& s);
 
 struct StageRow {
     scene::file::Stage stage;
@@ -51,26 +71,28 @@ private:
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
-/// The pictures are those of `RenderPictures`; `<form>.<format>.exr` has what they were made of.
+/// The pictures are `render_pictures`; `<form>.<format>.exr` has what they were made of.
 class RenderFiles final : public measure::picture::RenderSink {
 public:
-    RenderFiles(const measure::picture::RenderRequest& request, RenderFilesOptions options);
+    /// `request` must outlive it.
+    RenderFiles(const measure::picture::RenderRequest& request, pixel::SceneFilesOptions options);
 
-    void reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) override {
-        pictures_.reference(y0, rows, truth);
+    void reference(int y0, int, std::span<const measure::picture::TruePixel> truth) override {
+        pictures_.take(request_.rows.size(), {nullptr, truth}, y0, truth.size());
     }
     void row(std::size_t row, const measure::picture::RenderBand& band) override {
-        pictures_.row(row, band);
-        layers_[row].write(band);
+        pictures_.take(row, {&band, {}}, band.y0, band.seen.size());
+        if (!layers_.empty()) layers_[row].write(band);
     }
     void finish(const std::vector<measure::picture::RenderSummary>& summaries);
 
 private:
     const measure::picture::RenderRequest& request_;
-    RenderFilesOptions options_;
+    pixel::SceneFilesOptions options_;
     table::TableFile<StageRow> table_;
-    RenderPictures pictures_;
-    std::vector<RenderExr> layers_;  ///< of each row
+    map::RowGrid grid_;
+    pixel::ColumnFiles<RenderStrip> pictures_;
+    std::vector<RenderExr> layers_;  ///< of each row; none beside a sheet alone
 };
 
 }  // namespace lostbits::output::picture

@@ -1,4 +1,4 @@
-#include "output/picture/render_pictures.hpp"
+#include "output/picture/render_files.hpp"
 
 #include <fmt/format.h>
 
@@ -68,18 +68,6 @@ PixelValue certified(const measure::picture::TrueColour& c) {
 constexpr const char* glance_means =
     "wrong colour: a byte is not that of the certified picture; wrong sphere: another one is seen, none where there is "
     "one, or one where there is none";
-
-/// The note under a thumbnail: what a glance should take away.
-std::string glance(const RenderSummary& s) {
-    std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
-    if (const std::uint64_t wrong = s.seen_wrong())
-        text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));
-    if (!s.rule.shadows) return text;
-    const auto acne = s.count(false, Shadow::own_shadow);
-    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, s.pixels));
-    if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
-    return text;
-}
 
 image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& grid) {
     const scene::file::Scene& scene = *request.scene;
@@ -217,23 +205,24 @@ PixelValue pixel_of(const measure::picture::Painted& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-RenderPictures::RenderPictures(const RenderRequest& request, const std::filesystem::path& sheet,
-                               const std::filesystem::path& singles)
-    : request_(request),
-      grid_(request.rows),
-      files_({.scene = *request.scene,
-              .sheets = {{sheet, sheet_spec(request, grid_)}},
-              .singles = singles,
-              .stop = request.limit.stop},
-             RenderColumns(request, grid_).take()) {}
+pixel::ColumnFiles<RenderStrip> render_pictures(const RenderRequest& request, const map::RowGrid& grid,
+                                                const pixel::SceneFilesOptions& options) {
+    return {{.scene = *request.scene,
+             .sheets = {{options.sheet(), sheet_spec(request, grid)}},
+             .singles = options.folder_of_singles(),
+             .stop = request.limit.stop},
+            RenderColumns(request, grid).take()};
+}
 
-void RenderPictures::finish(const std::vector<RenderSummary>& summaries) {
-    const std::size_t stages = request_.stages.size();
-    for (std::size_t k = 0; k < summaries.size(); ++k) {
-        const map::RowGrid::Place at = grid_.places[k / stages];
-        files_.writer().set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
-    }
-    files_.writer().finish();
+std::string glance(const RenderSummary& s) {
+    std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = s.seen_wrong())
+        text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));
+    if (!s.rule.shadows) return text;
+    const auto acne = s.count(false, Shadow::own_shadow);
+    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, s.pixels));
+    if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
+    return text;
 }
 
 }  // namespace lostbits::output::picture

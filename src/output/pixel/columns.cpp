@@ -24,7 +24,7 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
         spec.legend = sheet_legend(s, true);
         for (LegendEntry& entry : spec.legend)
             if (counted) entry.count = widest_count(pages.scene.pixels());
-        sheets_.push_back(std::make_unique<image::ContactSheet>(image::image_backend(), file, std::move(spec)));
+        sheets_.push_back(std::make_unique<image::ContactSheet>(file, std::move(spec)));
     }
     for (const ColumnSpec& column : columns_) {
         if (!has_singles_) break;
@@ -35,11 +35,10 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
 
 void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
     const scene::file::Scene& scene = pages.scene;
-    image::ImageBackend& backend = image::image_backend();
     const auto path = pages.singles / column.file;
     Single& single = singles_.emplace_back();
     if (column.bare) {
-        single.bare = backend.open_png(path, scene.width, scene.height);
+        single.bare = image::image_backend().open_png(path, scene.width, scene.height);
         return;
     }
     image::HeatmapSpec spec{.title = column.title,
@@ -51,7 +50,7 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
                             .legend = column.look->widest_legend(scene.pixels()),
                             .widest_caption = column.widest_caption};
     spec.subtitle.insert(spec.subtitle.end(), column.subtitle.begin(), column.subtitle.end());
-    single.heatmap = std::make_unique<image::HeatmapWriter>(backend, path, std::move(spec));
+    single.heatmap = std::make_unique<image::HeatmapWriter>(path, std::move(spec));
 }
 
 Strip ColumnWriter::strip(std::size_t column, std::size_t pixels) const {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "output/file/csv.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/pixel/look.hpp"
@@ -49,6 +50,21 @@ struct Sheet {
     std::filesystem::path file;
     image::SheetSpec spec;  ///< without its legend and the size of its cells, which follow
     bool counted = false;   ///< its legend has room for counts
+};
+
+/// Which files of a scene are wished for, and where.
+struct SceneFilesOptions {
+    std::filesystem::path folder;               ///< of this scene; made if missing
+    bool pixels_csv = false;                    ///< also one row per pixel
+    std::string command = {};                   ///< what to type to make these files again, for the header of an EXR
+    bool singles = false;                       ///< also a picture for each cell of the sheet
+    std::vector<file::DataResource> also = {};  ///< other tables in the folder
+    std::filesystem::path sheet_alone = {};     ///< a file: the sheet there is all that is written; without a folder
+
+    [[nodiscard]] std::filesystem::path sheet() const {
+        return sheet_alone.empty() ? folder / "contact.png" : sheet_alone;
+    }
+    [[nodiscard]] std::filesystem::path folder_of_singles() const { return singles ? folder : std::filesystem::path(); }
 };
 
 /// What is known of a sheet in the end.

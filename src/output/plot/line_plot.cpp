@@ -112,14 +112,8 @@ std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
 /// The plot with its axes; draws one layer at a time.
 class Plot {
 public:
-    Plot(image::ImageBackend& backend, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y,
-         const PlotFrame& frame)
-        : backend_(backend),
-          spec_(spec),
-          x_(x),
-          y_(y),
-          frame_(frame),
-          stroke_(backend, {frame.x, frame.y, frame.width, frame.height}) {}
+    Plot(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
+        : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
     void shades(Canvas& canvas) const {
         for (const PlotShade& shade : spec_.shades) {
@@ -137,7 +131,7 @@ public:
     /// From where lines end to their names in the legend at pixel x. One that ends before the axis does has no way
     /// there that would not cross others; its name says where it ends.
     void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
-        image::Stroke stroke(backend_, {frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
+        image::Stroke stroke({frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {
             const auto end = end_of(lines[k], x_, y_);
             const auto sample = legend.sample_of(k);
@@ -243,7 +237,6 @@ private:
         return out;
     }
 
-    image::ImageBackend& backend_;
     const LinePlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
@@ -252,7 +245,7 @@ private:
 
 }  // namespace
 
-void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec) {
+void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200) throw std::invalid_argument(path.string() + ": too small for a plot");
     auto lines = plot_lines(spec.series);
     if (spec.envelope) static_cast<void>(plot_lines({&*spec.envelope, 1}));  // its columns are checked like any
@@ -266,14 +259,14 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     const bool markers = std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
     const int content = spec.width - 2 * image::style::margin;
-    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
+    const Canvas head = image::heading(spec.title, spec.subtitle, content);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0);
     const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
     const auto areas = areas_of(spec);
-    PlotLegend legend(backend, sorted, areas, markers, {content, nominal});
+    PlotLegend legend(sorted, areas, markers, {content, nominal});
     const int right =
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
-    const PlotAxes axes(backend, x, y, content - right - 60, nominal);
+    const PlotAxes axes(x, y, content - right - 60, nominal);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
     frame.width = spec.width - image::style::margin - std::max(right, axes.right()) - 1 - frame.x;
@@ -287,9 +280,9 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
             ++lacking.marks;
         }
     }
-    const MarkLabels labels(backend, marks, spec.width - image::style::margin);
+    const MarkLabels labels(marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
-    Plot measured(backend, spec, x, y, frame);
+    Plot measured(spec, x, y, frame);
     for (const auto& series : spec.series) measured.count(series, lacking);
     if (spec.envelope) measured.count(*spec.envelope, lacking);
     std::vector<std::string> said = lacking.notes();
@@ -297,14 +290,14 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
         said.push_back(fmt::format("{} line{} for {} series: those with the same values throughout share one.",
                                    lines.size(), lines.size() == 1 ? "" : "s", spec.series.size()));
     said.insert(said.end(), spec.notes.begin(), spec.notes.end());
-    const Canvas notes = image::heading(backend, {}, said, content);
+    const Canvas notes = image::heading({}, said, content);
     const int foot =
         1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
-    Plot plot(backend, spec, x, y, frame);
+    Plot plot(spec, x, y, frame);
     plot.shades(page);
     if (spec.envelope) plot.envelope(page);
     axes.draw_grid(page, frame);
@@ -316,7 +309,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     for (const auto i : order) plot.line(page, lines[i], markers, i);
     axes.draw(page, frame);
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
-        const auto text = backend.render_text(spec.nothing, image::style::text_size);
+        const auto text = image::image_backend().render_text(spec.nothing, image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
                   image::style::soft_ink);
     }
@@ -331,7 +324,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(backend, path, page);
+    image::save_png(path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -59,6 +59,6 @@ struct LinePlotSpec {
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
 /// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.
-void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& path, const LinePlotSpec& spec);
+void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -79,9 +79,8 @@ std::vector<double> places_near(std::span<const double> wishes, std::span<const 
     return places;
 }
 
-PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
-                       bool markers, Room room)
-    : backend_(backend), markers_(markers) {
+PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room)
+    : markers_(markers) {
     struct Try {
         int size, columns, per_cent;  // of the width, for all columns
     };
@@ -123,7 +122,7 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{image::wrap_text(backend_, label, size, false, text_room), line, area};
+        Entry entry{image::wrap_text(label, size, false, text_room), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -175,7 +174,7 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, entry.area->edge);
             continue;
         }
-        Stroke stroke(backend_, {x, y - 6, sample_width, image::style::line_height(size_) + 12});
+        Stroke stroke({x, y - 6, sample_width, image::style::line_height(size_) + 12});
         stroke.polyline(std::array<Point, 2>{{{x + 1.5, middle}, {x + sample_width - 1.5, middle}}}, line_thickness,
                         entry.line->dashes);
         if (markers_ || entry.line->marker > 0) {
@@ -185,12 +184,12 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
     }
 }
 
-MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit) : backend_(backend) {
+MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
     std::ranges::stable_sort(marks, {}, &Mark::x);
     for (const auto& mark : marks) {
         Placed placed{mark.x, {}};
         const int room = std::max(limit - static_cast<int>(mark.x), 40);
-        placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
+        placed.text = image::wrap_text(mark.label, image::style::small_size, false, room);
         for (const auto& text : placed.text) {
             placed.width = std::max(placed.width, text.width);
             placed.height += text.height;
@@ -214,7 +213,7 @@ void MarkLabels::draw(image::Canvas& canvas, int top, int foot) const {
     for (const auto& one : placed_) {
         const int x = static_cast<int>(std::floor(one.x));
         const int label_foot = top - one.rise;
-        Stroke stroke(backend_, {x - 2, label_foot, 5, foot - label_foot});
+        Stroke stroke({x - 2, label_foot, 5, foot - label_foot});
         stroke.polyline(std::array<Point, 2>{{{x + 0.5, label_foot + 0.5}, {x + 0.5, foot + 1.0}}}, 1, dashes);
         stroke.paint(canvas, image::style::soft_ink);
         int y = label_foot - one.height;

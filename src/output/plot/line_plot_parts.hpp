@@ -58,8 +58,7 @@ public:
         int width, height;
     };
     /// Takes small letters and a second column before it is higher than the room, and at most two fifths of its width.
-    PlotLegend(image::ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
-               bool markers, Room room);
+    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room);
 
     /// Moves each line's entry to where the line ends, in pixels below the legend's top and no further than `room`; a
     /// NaN is no place. Does nothing where there are two columns.
@@ -84,7 +83,6 @@ private:
     void arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout);
     [[nodiscard]] int height_of(const Entry& entry) const;
 
-    image::ImageBackend& backend_;
     std::vector<Entry> entries_;
     bool markers_, aligned_ = false;
     std::vector<int> column_x_;
@@ -100,7 +98,7 @@ public:
         double x;
         std::string label;
     };
-    MarkLabels(image::ImageBackend& backend, std::vector<Mark> marks, int limit);
+    MarkLabels(std::vector<Mark> marks, int limit);
 
     [[nodiscard]] int height() const noexcept { return height_; }
 
@@ -114,7 +112,6 @@ private:
         int width = 0, height = 0;
         int rise = 0;  // of the label's foot above the frame
     };
-    image::ImageBackend& backend_;
     std::vector<Placed> placed_;
     int height_ = 0;
 };

@@ -196,16 +196,17 @@ double PlotFrame::up(double position) const noexcept {
     return pad > 0 ? y + pad + 0.5 + (1 - position) * (height - 2 * pad - 1) : y + (1 - position) * height;
 }
 
-std::vector<PlotAxes::Tick> PlotAxes::render(ImageBackend& backend, const AxisRange& range, int most) {
+std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int most) {
     std::vector<Tick> out;
     for (const auto& [position, label] : range.ticks(most)) {
-        out.push_back({position, label.empty() ? TextBitmap{} : backend.render_text(label, image::style::text_size)});
+        out.push_back({position, label.empty() ? TextBitmap{}
+                                               : image::image_backend().render_text(label, image::style::text_size)});
     }
     return out;
 }
 
-PlotAxes::PlotAxes(ImageBackend& backend, const AxisRange& x, const AxisRange& y, int width, int height)
-    : x_ticks_(render(backend, x, width / tick_pitch_x)), y_ticks_(render(backend, y, height / tick_pitch_y)) {
+PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height)
+    : x_ticks_(render(x, width / tick_pitch_x)), y_ticks_(render(y, height / tick_pitch_y)) {
     int widest = 0, highest = 0;
     for (const auto& tick : y_ticks_) {
         widest = std::max(widest, tick.label.width);
@@ -218,11 +219,11 @@ PlotAxes::PlotAxes(ImageBackend& backend, const AxisRange& x, const AxisRange& y
     left_ = std::max(1 + tick_length + label_gap + widest, right_);
     below_ = 1 + tick_length + label_gap + highest;
     if (!x.title().empty()) {
-        x_title_ = image::fit_text(backend, x.title(), image::style::text_size, false, width);
+        x_title_ = image::fit_text(x.title(), image::style::text_size, false, width);
         below_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {
-        y_title_ = turned(image::fit_text(backend, y.title(), image::style::text_size, false, height));
+        y_title_ = turned(image::fit_text(y.title(), image::style::text_size, false, height));
         left_ += title_gap + y_title_.width;
     }
 }

@@ -80,7 +80,7 @@ struct PlotFrame {
 class PlotAxes {
 public:
     /// For a frame of about `width` by `height` pixels.
-    PlotAxes(image::ImageBackend& backend, const AxisRange& x, const AxisRange& y, int width, int height);
+    PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height);
 
     /// Pixels that ticks, labels and title take outside the frame.
     [[nodiscard]] int left() const noexcept { return left_; }
@@ -100,7 +100,7 @@ private:
         double position;
         image::TextBitmap label;
     };
-    static std::vector<Tick> render(image::ImageBackend& backend, const AxisRange& range, int most);
+    static std::vector<Tick> render(const AxisRange& range, int most);
 
     std::vector<Tick> x_ticks_, y_ticks_;
     image::TextBitmap x_title_, y_title_;

@@ -53,10 +53,10 @@ Box2 around(Point a, Point b) {
 /// The keys side by side, in as many lines as they need.
 class Keys {
 public:
-    Keys(ImageBackend& backend, const std::vector<ScatterPlotSpec::Key>& keys, int width) : backend_(backend) {
+    Keys(const std::vector<ScatterPlotSpec::Key>& keys, int width) {
         int x = 0, y = 0;
         for (const auto& key : keys) {
-            TextBitmap text = backend.render_text(key.label, image::style::text_size);
+            TextBitmap text = image::image_backend().render_text(key.label, image::style::text_size);
             const int wide = marker_room + text.width + key_gap;
             if (x > 0 && x + wide > width) {
                 x = 0;
@@ -70,7 +70,7 @@ public:
     [[nodiscard]] int height() const { return height_; }
 
     void draw(Canvas& canvas, int x, int y) const {
-        Stroke stroke(backend_, {0, 0, canvas.width(), canvas.height()});
+        Stroke stroke({0, 0, canvas.width(), canvas.height()});
         for (const auto& p : placed_) {
             const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
             paint_marker(canvas, stroke, at, {p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow});
@@ -85,7 +85,6 @@ private:
         TextBitmap text;
         int x, y;
     };
-    ImageBackend& backend_;
     std::vector<Placed> placed_;
     int height_ = 0;
 };
@@ -97,14 +96,8 @@ bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
 /// Draws what is inside the frame.
 class Scatter {
 public:
-    Scatter(ImageBackend& backend, const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y,
-            const PlotFrame& frame)
-        : backend_(backend),
-          spec_(spec),
-          x_(x),
-          y_(y),
-          frame_(frame),
-          stroke_(backend, {frame.x, frame.y, frame.width, frame.height}) {}
+    Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
+        : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
     void front(Canvas& canvas) {
         for (const bool firm : {true, false}) {
@@ -141,7 +134,7 @@ public:
             if (!has_place(p, x_, y_)) continue;
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
             if (p.faint || p.label.empty()) continue;
-            texts.push_back(backend_.render_text(p.label, image::style::text_size));
+            texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
             wishes.push_back(
                 {place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
@@ -174,7 +167,6 @@ private:
         canvas.text(static_cast<int>(std::lround(box.x)), static_cast<int>(std::lround(box.y)), text, colour);
     }
 
-    ImageBackend& backend_;
     const ScatterPlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
@@ -196,18 +188,18 @@ std::string note(int count, const char* one, const char* many) {
 
 }  // namespace
 
-void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec) {
+void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec) {
     const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
     const int content = spec.width - 2 * image::style::margin;
-    const Canvas head = image::heading(backend, spec.title, spec.subtitle, content);
-    const Keys keys(backend, spec.keys, content);
-    const PlotAxes axes(backend, x, y, content - 60, spec.height - 200);
+    const Canvas head = image::heading(spec.title, spec.subtitle, content);
+    const Keys keys(spec.keys, content);
+    const PlotAxes axes(x, y, content - 60, spec.height - 200);
     const auto lacking = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
     const std::string absent =
         note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
     const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
-    const Canvas notes = image::heading(backend, {}, lines, content);
+    const Canvas notes = image::heading({}, lines, content);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_room};
     frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
@@ -218,7 +210,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
-    Scatter scatter(backend, spec, x, y, frame);
+    Scatter scatter(spec, x, y, frame);
     scatter.points(page, true);
     scatter.front(page);
     scatter.points(page, false);
@@ -227,7 +219,7 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(backend, path, page);
+    image::save_png(path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -44,6 +44,6 @@ struct ScatterPlotSpec {
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file.
-void write_scatter_plot(image::ImageBackend& backend, const std::filesystem::path& path, const ScatterPlotSpec& spec);
+void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec);
 
 }  // namespace lostbits::output::plot

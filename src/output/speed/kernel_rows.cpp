@@ -1,4 +1,4 @@
-#include "output/speed/kernel_rows.hpp"
+#include "output/speed/trade_files.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -230,7 +230,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
 
 void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const TradeResult& result,
                       std::size_t set) {
-    plot::write_scatter_plot(image::image_backend(), path, trade_plot(request, result, set));
+    plot::write_scatter_plot(path, trade_plot(request, result, set));
 }
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {

@@ -8,7 +8,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/plot/matrix_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -91,8 +91,7 @@ private:
 
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<FormSummary>>& cases, std::optional<intersect::Touching> judged) {
-    image::ImageBackend& backend = image::image_backend();
-    const map::LostBitsScale scale(request.rows, backend);
+    const map::LostBitsScale scale(request.rows);
     plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title,
                                                             intersect::convention_name(judged))
                                               : request.file->title,
@@ -141,7 +140,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         spec.legend.insert(spec.legend.begin() + 1, {within_means(*request.file), map::paler(scale.bar().at(0.5)), {}});
     }
     if (!any_wrong_value && !any_within) spec.scale.reset();
-    plot::write_matrix_plot(backend, path, spec);
+    plot::write_matrix_plot(path, spec);
 }
 
 CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named)

@@ -327,8 +327,8 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         statements_.add(of);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {
-        plot::write_line_plot(image::image_backend(), folder_ / "lost_bits_max.png", plots->lost_bits);
-        plot::write_line_plot(image::image_backend(), folder_ / "wrong.png", plots->wrong);
+        plot::write_line_plot(folder_ / "lost_bits_max.png", plots->lost_bits);
+        plot::write_line_plot(folder_ / "wrong.png", plots->wrong);
     }
     table::close_tables(folder_, request_.sweep->title, binades_, onsets_, statements_);
 }

@@ -148,22 +148,12 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
 
 void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {
     samples_.add_all(sample_rows(request_, steps));
-    std::vector<file::DataResource> resources{samples_.about()};
-    if (onsets_) {
-        onsets_->add_all(onsets);
-        resources.push_back(onsets_->about());
-    }
-    if (culprits_) {
-        for (std::size_t r = 0; r < request_.rows.size(); ++r)
-            for (const SweepStep& step : steps)
-                for (const auto& culprit : map::culprits_of(request_.metrics, request_.rows[r], step.rows[r]))
-                    culprits_->add({&step, culprit});
-        resources.push_back(culprits_->about());
-    }
-    file::write_datapackage(folder_ / "datapackage.json", request_.sweep->title, resources);
-    if (onsets_) onsets_->close();
-    if (culprits_) culprits_->close();
-    samples_.close();
+    if (onsets_) onsets_->add_all(onsets);
+    for (std::size_t r = 0; culprits_ && r < request_.rows.size(); ++r)
+        for (const SweepStep& step : steps)
+            for (const auto& culprit : map::culprits_of(request_.metrics, request_.rows[r], step.rows[r]))
+                culprits_->add({&step, culprit});
+    table::close_tables(folder_, request_.sweep->title, samples_, onsets_, culprits_);
 }
 
 }  // namespace lostbits::output::sweep

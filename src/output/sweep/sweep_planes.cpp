@@ -9,7 +9,7 @@
 #include "output/image/exr_book.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "output/plot/plane_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -93,7 +93,6 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
 
 void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
                          const std::vector<SweepStep>& steps, std::size_t row) {
-    image::ImageBackend& backend = image::image_backend();
     const auto& axes = request.sweep->axes;
     const TestedForm& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
@@ -107,7 +106,7 @@ void write_plane_picture(const std::filesystem::path& path, const SweepRequest& 
         .x = plane.x,
         .y = plane.y,
         .cells = {},
-        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters, backend),
+        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters),
         .unit = "lost bits",
         .legend = {}};
     FormSummary drawn;
@@ -133,7 +132,7 @@ void write_plane_picture(const std::filesystem::path& path, const SweepRequest& 
     spec.legend = map::outcome_legend(drawn);
     spec.subtitle.push_back(std::string(any_outlined ? outlined_means : nowhere_outlined) + ".");
     if (few) spec.none_means = gap_means();
-    plot::write_plane_plot(backend, path, spec);
+    plot::write_plane_plot(path, spec);
 }
 
 void write_plane(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,

@@ -105,7 +105,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
     if (!quantity.nothing.empty()) {
         spec.series.clear();
         spec.nothing = quantity.nothing;
-        return plot::write_line_plot(image::image_backend(), path, spec);
+        return plot::write_line_plot(path, spec);
     }
     shade_and_note(spec, sweep, format, quantity.over_hits);
     for (const auto& mark : request.sweep->marks) {
@@ -125,7 +125,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
                                    mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
                      : fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
     }
-    plot::write_line_plot(image::image_backend(), path, spec);
+    plot::write_line_plot(path, spec);
 }
 
 }  // namespace
@@ -216,7 +216,7 @@ void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
-    plot::write_line_plot(image::image_backend(), path, spec);
+    plot::write_line_plot(path, spec);
 }
 
 /// The steps of a space that were measured.
@@ -294,7 +294,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     }
     if (named < order.size())
         add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
-    plot::write_line_plot(image::image_backend(), path, spec);
+    plot::write_line_plot(path, spec);
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::table {
@@ -162,24 +162,30 @@ private:
     file::CsvWriter csv_;
 };
 
-/// Closes the tables of a folder, and says in its `datapackage.json` what they are.
-template <class... R>
-void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>&... files) {
-    file::write_datapackage(folder / "datapackage.json", title, {files.about()...});
-    (files.close(), ...);
-}
-/// The same of a summary, of a table for each of its rows, and of what others write there. The summary is closed last:
-/// a folder with one is a finished one.
-template <class R, class Each>
-void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
-                  const std::vector<std::unique_ptr<TableFile<Each>>>& each,
-                  const std::vector<file::DataResource>& also = {}) {
-    std::vector<file::DataResource> resources{summary.about()};
-    for (const auto& file : each) {
-        file->close();
-        resources.push_back(file->about());
+/// Closes a table and adds what it is: a table, one that may be there, a list of them, or what has one. What others
+/// write is added alone.
+template <class Part>
+void close_part(Part& part, std::vector<file::DataResource>& resources) {
+    if constexpr (std::is_same_v<std::remove_const_t<Part>, file::DataResource>) {
+        resources.push_back(part);
+    } else if constexpr (requires { part.about(); }) {
+        resources.push_back(part.about());
+        part.close();
+    } else if constexpr (requires { part.table(); }) {
+        close_part(part.table(), resources);
+    } else if constexpr (requires { part.begin(); }) {
+        for (auto& one : part) close_part(one, resources);
+    } else if (part) {
+        close_part(*part, resources);
     }
-    resources.insert(resources.end(), also.begin(), also.end());
+}
+/// Closes the tables of a folder, and says in its `datapackage.json` what they are. The summary is closed last: a
+/// folder with one is a finished one.
+template <class R, class... Part>
+void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
+                  Part&... parts) {
+    std::vector<file::DataResource> resources{summary.about()};
+    (close_part(parts, resources), ...);
     file::write_datapackage(folder / "datapackage.json", title, resources);
     summary.close();
 }

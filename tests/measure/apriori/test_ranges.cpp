@@ -15,7 +15,7 @@
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/rounded.hpp"
-#include "output/blame/ranges_text.hpp"
+#include "output/blame/explain_text.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/sweep_file.hpp"
 

@@ -7,7 +7,7 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/room.hpp"
 #include "measure/rows.hpp"
-#include "output/choice/choice_text.hpp"
+#include "output/choice/choice_files.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_choice {

@@ -12,7 +12,7 @@
 #include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/mend/mend_text.hpp"
+#include "output/mend/mend_files.hpp"
 #include "scene/file/scene.hpp"
 #include "scratch.hpp"
 

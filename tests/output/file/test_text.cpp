@@ -10,7 +10,6 @@
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"

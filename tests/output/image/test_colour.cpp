@@ -12,9 +12,9 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/picture/render_pictures.hpp"
+#include "output/picture/render_files.hpp"
 
 namespace test_colour {
 
@@ -251,7 +251,7 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
 
 TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
     const auto& lost_bits = *lostbits::measure::metric::find_metric("lost_bits");
-    const auto legend = map::MetricPaint(lost_bits, lostbits::binary32, backend()).look(true).widest_legend(1);
+    const auto legend = map::MetricPaint(lost_bits, lostbits::binary32).look(true).widest_legend(1);
     REQUIRE(legend.size() == outcome_colours.size());
     CHECK(legend[legend.size() - 2].label == "out of order");
     CHECK(legend[legend.size() - 2].colour == outcome_colours.back());

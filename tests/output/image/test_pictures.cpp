@@ -59,14 +59,13 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
     for (const auto [width, height, factor] : {Size{64, 64, 6}, Size{400, 30, 1}, Size{1, 1, 384}, Size{7, 1000, 2}}) {
         INFO(width << " x " << height);
         const auto field = numbered(width, height);
-        HeatmapWriter map(backend(), folder / "m.png",
-                          {.title = "A title",
-                           .subtitle = {"a subtitle"},
-                           .width = width,
-                           .height = height,
-                           .scale = viridis(),
-                           .unit = "lost bits",
-                           .legend = legend_of("1 (100.0%)")});
+        HeatmapWriter map(folder / "m.png", {.title = "A title",
+                                             .subtitle = {"a subtitle"},
+                                             .width = width,
+                                             .height = height,
+                                             .scale = viridis(),
+                                             .unit = "lost bits",
+                                             .legend = legend_of("1 (100.0%)")});
         const auto half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
         map.write_rows(std::span(field).first(half));
         map.write_rows(std::span(field).subspan(half));
@@ -93,7 +92,7 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
         "format, and on";
     for (const auto& title : {sentence, std::string(120, 'W'), std::string()}) {
         HeatmapWriter map(
-            backend(), folder / "m.png",
+            folder / "m.png",
             {.title = title,
              .subtitle = {sentence + sentence, "short"},
              .width = 16,
@@ -117,9 +116,9 @@ TEST_CASE("text is broken and shortened between letters of any size", "[text]") 
     for (const int width : {1, 20, 37, 100, all}) {
         INFO(width);
         int sum = 0;
-        for (const TextBitmap& line : wrap_text(backend(), text, 13, false, width)) sum += line.width;
+        for (const TextBitmap& line : wrap_text(text, 13, false, width)) sum += line.width;
         CHECK(sum == all);  // a `?` would be of another width
-        const TextBitmap fitted = fit_text(backend(), text, 9, false, width);
+        const TextBitmap fitted = fit_text(text, 9, false, width);
         CHECK((fitted.width <= width || width == 1));
         // Letters that are whole: some from the head, some from the tail.
         bool found = fitted.coverage == backend().render_text(text, 9).coverage;
@@ -138,8 +137,7 @@ TEST_CASE("text is broken and shortened between letters of any size", "[text]") 
 
 TEST_CASE("a title of several lines is one", "[text]") {
     const std::array<std::string, 1> lines{"c\td"}, line{"c d"};
-    CHECK(std::ranges::equal(heading(backend(), "a\nb", lines, 400).pixels(),
-                             heading(backend(), "a b", line, 400).pixels()));
+    CHECK(std::ranges::equal(heading("a\nb", lines, 400).pixels(), heading("a b", line, 400).pixels()));
 }
 
 TEST_CASE("the legend shows what occurred and nothing else, the bar is there when a scale is", "[heatmap]") {
@@ -153,7 +151,7 @@ TEST_CASE("the legend shows what occurred and nothing else, the bar is there whe
                          .unit = "lost bits",
                          .legend = legend_of("64")};
         if (bar) spec.scale = viridis();
-        HeatmapWriter map(backend(), folder / "m.png", std::move(spec));
+        HeatmapWriter map(folder / "m.png", std::move(spec));
         map.write_rows(std::vector<Rgb8>(64, Rgb8{1, 2, 3}));
         map.finish(entries);
         return backend().read_png(folder / "m.png");
@@ -182,7 +180,7 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
                            .legend = legend_of("9")};
     const auto field = numbered(4, 3);
     {
-        HeatmapWriter map(backend(), folder / "m.png", spec);
+        HeatmapWriter map(folder / "m.png", spec);
         CHECK_THROWS_AS(map.write_rows(std::span(field).first(5)), std::logic_error);
         map.write_rows(std::span(field).first(8));
         CHECK_THROWS_AS(map.write_rows(std::span(field).first(8)), std::logic_error);
@@ -191,7 +189,7 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
     }
     CHECK(folder.entries() == 0);
     for (const auto* name : {"a", "b"}) {
-        HeatmapWriter map(backend(), folder / name, spec);
+        HeatmapWriter map(folder / name, spec);
         map.write_rows(field);
         map.finish(legend_of("4"));
     }
@@ -209,16 +207,15 @@ std::vector<std::string> words(const std::string& stem, std::size_t count) {
 /// A sheet whose cells each hold one colour of their own, fed by `threads` threads.
 PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, unsigned threads) {
     ContactSheet sheet(
-        backend(), path,
-        {.title = "A contact sheet with a title that is longer than a small page is wide, so that it wraps",
-         .subtitle = {"one line", "another"},
-         .forms = words("sphere.a_rather_long_name_", forms),
-         .formats = words("p", formats),
-         .field_width = 64,
-         .field_height = 32,
-         .scales = {viridis()},
-         .unit = "lost bits",
-         .legend = legend_of("123456 (99.9%)")});
+        path, {.title = "A contact sheet with a title that is longer than a small page is wide, so that it wraps",
+               .subtitle = {"one line", "another"},
+               .forms = words("sphere.a_rather_long_name_", forms),
+               .formats = words("p", formats),
+               .field_width = 64,
+               .field_height = 32,
+               .scales = {viridis()},
+               .unit = "lost bits",
+               .legend = legend_of("123456 (99.9%)")});
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < threads; ++t) {
         workers.emplace_back([&, t] {
@@ -258,16 +255,15 @@ TEST_CASE("where formats differ each line of a sheet has a bar of its own", "[co
     const Scratch folder;
     const auto ramp = backend().ramp("viridis", 256);
     const auto sheet = [&](const char* name, std::size_t forms, std::vector<ColourScale> scales) {
-        ContactSheet page(backend(), folder / name,
-                          {.title = "T",
-                           .subtitle = {},
-                           .forms = words("form_", forms),
-                           .formats = {"f32", "f64"},
-                           .field_width = 64,
-                           .field_height = 64,
-                           .scales = std::move(scales),
-                           .unit = "bits",
-                           .legend = {}});
+        ContactSheet page(folder / name, {.title = "T",
+                                          .subtitle = {},
+                                          .forms = words("form_", forms),
+                                          .formats = {"f32", "f64"},
+                                          .field_width = 64,
+                                          .field_height = 64,
+                                          .scales = std::move(scales),
+                                          .unit = "bits",
+                                          .legend = {}});
         page.finish({});
         return backend().read_png(folder / name);
     };
@@ -293,7 +289,7 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
                          .scales = {},
                          .unit = "",
                          .legend = {}};
-    ContactSheet sheet(backend(), folder / "s.png", spec);
+    ContactSheet sheet(folder / "s.png", spec);
     sheet.add_rows(0, 0, 0, std::vector<Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));
     CHECK_THROWS_AS(sheet.add_rows(2, 0, 0, std::vector<Rgb8>(64)), std::logic_error);
@@ -305,7 +301,7 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
     CHECK(count_of(image, {4, 5, 6}) == 0);
     auto formless = spec;
     formless.forms = {};
-    CHECK_THROWS_AS(ContactSheet(backend(), folder / "t.png", formless), std::logic_error);
+    CHECK_THROWS_AS(ContactSheet(folder / "t.png", formless), std::logic_error);
 }
 
 }  // namespace test_pictures

@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "output/helpers.hpp"
-#include "output/map/metric_paint.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/plot/line_plot_parts.hpp"
@@ -102,7 +102,7 @@ TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[l
         if (metric.by_run) continue;  // its operations have a test of their own
         CAPTURE(metric.name);
         std::set<std::tuple<int, int, int>> colours;
-        const auto entries = map::MetricPaint(metric, binary32, backend()).look(true).widest_legend(1);
+        const auto entries = map::MetricPaint(metric, binary32).look(true).widest_legend(1);
         for (const image::LegendEntry& entry : entries) {
             CAPTURE(entry.label);
             CHECK(colours.insert({entry.colour.r, entry.colour.g, entry.colour.b}).second);

@@ -10,8 +10,8 @@
 #include "measure/rows.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/helpers.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/map_pictures.hpp"
-#include "output/map/metric_paint.hpp"
 
 namespace test_metric_paint {
 
@@ -61,14 +61,14 @@ bool has_word(const std::string& text, const char* words) { return text.find(wor
 
 std::string glance(const FormSummary& s, const lostbits::FloatFormat& format = binary32,
                    const char* name = "lost_bits") {
-    return MetricPaint(*find_metric(name), format, backend()).glance(s, 0);
+    return MetricPaint(*find_metric(name), format).glance(s, 0);
 }
 
 }  // namespace
 
 TEST_CASE("a colour is a share of the significand, in every format", "[metric_paint]") {
     const Metric& lost = *find_metric("lost_bits");
-    const auto single = metric_scale(lost, binary32, backend()), wide = metric_scale(lost, binary64, backend());
+    const auto single = metric_scale(lost, binary32), wide = metric_scale(lost, binary64);
     CHECK(single.hi() == 24);
     CHECK(wide.hi() == 53);
     for (const double share : {0.0, 0.125, 0.25, 0.5, 1.0}) CHECK(single.map(24 * share) == wide.map(53 * share));
@@ -76,21 +76,21 @@ TEST_CASE("a colour is a share of the significand, in every format", "[metric_pa
     CHECK(single.map(1) != single.map(0));
     CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
     // What is kept is no loss: evenly spaced.
-    CHECK(metric_scale(*find_metric("correct_bits"), binary32, backend()).map(12) == single.at(0.5));
-    CHECK_FALSE(MetricPaint(lost, binary32, backend()).shares_with(*find_metric("correct_bits")));
+    CHECK(metric_scale(*find_metric("correct_bits"), binary32).map(12) == single.at(0.5));
+    CHECK_FALSE(MetricPaint(lost, binary32).shares_with(*find_metric("correct_bits")));
 }
 
 TEST_CASE("magnitudes fit the format", "[metric_paint]") {
     for (const char* name : {"ulp_error", "model_error", "input_error", "rounding_error"}) {
-        CHECK(metric_scale(*find_metric(name), binary32, backend()).hi() == 0x1p24);
-        CHECK(metric_scale(*find_metric(name), binary64, backend()).hi() == 0x1p53);
+        CHECK(metric_scale(*find_metric(name), binary32).hi() == 0x1p24);
+        CHECK(metric_scale(*find_metric(name), binary64).hi() == 0x1p53);
     }
-    CHECK(metric_scale(*find_metric("relative_error"), binary32, backend()).lo() == 0x1p-30);
-    CHECK(metric_scale(*find_metric("relative_error"), binary64, backend()).lo() == 0x1p-59);
-    CHECK(metric_scale(*find_metric("condition"), binary64, backend()).lo() == 1);
-    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, backend(), BarRange{1, 16});
+    CHECK(metric_scale(*find_metric("relative_error"), binary32).lo() == 0x1p-30);
+    CHECK(metric_scale(*find_metric("relative_error"), binary64).lo() == 0x1p-59);
+    CHECK(metric_scale(*find_metric("condition"), binary64).lo() == 1);
+    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, BarRange{1, 16});
     CHECK(asked.map(4) == asked.at(0.5));
-    const auto bits = metric_scale(*find_metric("lost_bits"), binary64, backend(), BarRange{2, 6});
+    const auto bits = metric_scale(*find_metric("lost_bits"), binary64, BarRange{2, 6});
     CHECK(bits.map(4) == bits.at(0.5));
 }
 
@@ -110,21 +110,21 @@ TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric
     CHECK(glance(summary_of(0, {{Outcome::false_miss, 900}, {Outcome::agree_miss, 100}})) ==
           "90% false miss\nno correct hit");
     CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
-    CHECK(MetricPaint(*find_metric("lost_bits"), binary32, backend())
+    CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
           "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23 kept; of 999 agreed hits");
     // Withheld, it is not explained.
-    CHECK(MetricPaint(*find_metric("lost_bits"), binary32, backend())
+    CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
           ">99% false miss; no p99: 5 of 1000 hits agree");
-    CHECK(has_word(MetricPaint(*find_metric("lost_bits"), binary32, backend()).quantile_note(), "99 of 100"));
-    CHECK(MetricPaint(*find_metric("apart"), binary32, backend()).quantile_note().empty());
+    CHECK(has_word(MetricPaint(*find_metric("lost_bits"), binary32).quantile_note(), "99 of 100"));
+    CHECK(MetricPaint(*find_metric("apart"), binary32).quantile_note().empty());
 }
 
 TEST_CASE("how far two forms are apart has a unit, a count, and a legend for where they are not both hits",
           "[metric_paint]") {
     const Metric& apart = *find_metric("apart");
-    const MetricPaint paint(apart, binary32, backend());
+    const MetricPaint paint(apart, binary32);
     FormSummary s({&apart});
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
@@ -151,7 +151,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
     for (const Metric* m : all) {
         REQUIRE(m != nullptr);
         CAPTURE(m->name);
-        const MetricPaint paint(*m, binary32, backend());
+        const MetricPaint paint(*m, binary32);
         CHECK(paint.scale().has_value() == m->categories.empty());
         for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
             const image::Rgb8 drawn = paint.colour(static_cast<Outcome>(o), none);
@@ -174,7 +174,7 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     static constexpr std::array<std::string_view, 3> operations{"no rounding", "b*b - c", "sqrt(d)"};
     Metric culprit = *find_metric("culprit");
     culprit.categories = operations;
-    const MetricPaint paint(culprit, binary32, backend());
+    const MetricPaint paint(culprit, binary32);
     FormSummary s({&culprit});
     s.rays = 1000;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
@@ -217,7 +217,7 @@ TEST_CASE("nothing is written as 0", "[metric_paint]") {
 }
 
 TEST_CASE("a hit without a value has its outcome's colour, and the legend names it", "[metric_paint]") {
-    const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
+    const MetricPaint paint(*find_metric("lost_bits"), binary32);
     CHECK(paint.colour(Outcome::agree_hit, none) == image::outcome_colours[0]);
     CHECK(legend_of(paint, {{Outcome::agree_hit, 3, 600}, {Outcome::agree_miss, none, 400}}).size() == 1);
     const auto legend = legend_of(
@@ -244,7 +244,7 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
     const FormSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
     CHECK(best_first(2, std::vector<SheetCell>{{0, &few}, {1, &good}}, 0) == std::vector<std::size_t>{1, 0});
 
-    const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
+    const MetricPaint paint(*find_metric("lost_bits"), binary32);
     FormSummary seen = of(3, 0);
     CHECK_FALSE(has_word(cell_note(paint, seen, 0), "worst"));
     seen.worst.x = 17;
@@ -269,7 +269,7 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
     blame::say_where_forms_are_from(" --plugin mine.so");
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so says how"));
     blame::say_where_forms_are_from("");
-    CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32, backend()), seen, 0), "worst"));
+    CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
 }
 
 }  // namespace test_metric_paint

@@ -7,8 +7,7 @@
 #include "number/error.hpp"
 #include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
-#include "output/plot/matrix_plot.hpp"
-#include "output/plot/plane_plot.hpp"
+#include "output/plot/cell_plots.hpp"
 
 namespace test_cell_plots {
 
@@ -36,7 +35,7 @@ MatrixPlotSpec matrix() {
 }
 
 PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
-    write_matrix_plot(backend(), folder / "m.png", spec);
+    write_matrix_plot(folder / "m.png", spec);
     return backend().read_png(folder / "m.png");
 }
 
@@ -56,7 +55,7 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
         }
     }
     CHECK(rim_is_blank(image));
-    write_matrix_plot(backend(), folder / "again.png", matrix());
+    write_matrix_plot(folder / "again.png", matrix());
     CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
@@ -124,7 +123,7 @@ TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
     CHECK_THROWS_AS(plotted(folder, MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
     plotted(folder, matrix());
-    CHECK_THROWS_AS(write_matrix_plot(backend(), folder / "m.png/below.png", matrix()), lostbits::EnvironmentError);
+    CHECK_THROWS_AS(write_matrix_plot(folder / "m.png/below.png", matrix()), lostbits::EnvironmentError);
 }
 
 namespace {
@@ -149,7 +148,7 @@ PlanePlotSpec plane(int columns, int rows) {
 }
 
 image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
-    write_plane_plot(backend(), folder / "p.png", spec);
+    write_plane_plot(folder / "p.png", spec);
     return backend().read_png(folder / "p.png");
 }
 
@@ -169,7 +168,7 @@ TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first 
     CHECK(place({0, 29, 77}) < place({0, 0, 77}));
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
-    write_plane_plot(backend(), folder / "again.png", plane(40, 30));
+    write_plane_plot(folder / "again.png", plane(40, 30));
     CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 

@@ -126,7 +126,7 @@ bool is_half(Rgb8 p) { return p.r == p.g && p.g == p.b && std::abs(p.r - 128) <=
 
 TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
     Canvas canvas(20, 9, {255, 255, 255});
-    Stroke stroke(test::backend(), {0, 0, 20, 9});
+    Stroke stroke({0, 0, 20, 9});
     const std::vector<Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
     stroke.polyline(line, 2);
     stroke.paint(canvas, {});
@@ -144,7 +144,7 @@ TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
     CHECK(std::ranges::equal(before, canvas.pixels()));
 
     Canvas filled(4, 4, {255, 255, 255});
-    Stroke area(test::backend(), {0, 0, 4, 4});
+    Stroke area({0, 0, 4, 4});
     const std::vector<Point> above{{1, 1.5}, {2, 1.5}, {3, 1.5}}, below{{1, 9}, {2, 9}, {3, 9}};
     area.area(above, below);
     area.paint(filled, {});
@@ -158,7 +158,7 @@ TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
 TEST_CASE("a figure is seen where it is, whatever is drawn around it, and nothing leaves the box", "[plot]") {
     const auto drawn = [](const PixelBox& box, double at) {
         Canvas canvas(40, 40, {255, 255, 255});
-        Stroke stroke(test::backend(), box);
+        Stroke stroke(box);
         stroke.disc({at, at}, 3);
         // Far outside, as a line beyond the end of an axis is.
         const std::array<Point, 2> away{{{at, at}, {at, 1e6}}};

@@ -82,7 +82,7 @@ LinePlotSpec spec_of(std::vector<Series> series) {
 }
 
 image::PngImage plotted(const Scratch& folder, const LinePlotSpec& spec) {
-    write_line_plot(backend(), folder / "p.png", spec);
+    write_line_plot(folder / "p.png", spec);
     return backend().read_png(folder / "p.png");
 }
 
@@ -205,13 +205,13 @@ TEST_CASE("marks stand at their places and their labels do not run into each oth
     const Scratch folder;
     std::vector<MarkLabels::Mark> marks;
     for (const double x : {100.0, 104.0, 130.0, 390.0, 150.0}) marks.push_back({x, "2^12: a label that is long"});
-    const MarkLabels labels_of_marks(backend(), marks, 420);
+    const MarkLabels labels_of_marks(marks, 420);
     image::Canvas canvas(440, 400);
     labels_of_marks.draw(canvas, 300, 390);
     std::int64_t alone = 0;  // ink of the labels, each on a page of its own
     for (const auto& mark : marks) {
         image::Canvas one(440, 400);
-        MarkLabels(backend(), {mark}, 420).draw(one, 300, 390);
+        MarkLabels({mark}, 420).draw(one, 300, 390);
         alone += std::ranges::count(one.pixels(), image::style::ink);
     }
     CHECK(std::ranges::count(canvas.pixels(), image::style::ink) == alone);  // nothing is over anything
@@ -247,7 +247,7 @@ TEST_CASE("nothing in a line plot is cut off, however much there is, and bytes r
         CHECK(rim_is_blank(image));
         CHECK(image.width == spec.width);
         CHECK(image.height >= spec.height);
-        write_line_plot(backend(), folder / "again.png", spec);
+        write_line_plot(folder / "again.png", spec);
         CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
     }
     CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);

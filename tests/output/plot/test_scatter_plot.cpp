@@ -35,7 +35,7 @@ ScatterPlotSpec small() {
 }
 
 PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
-    write_scatter_plot(backend(), folder / "s.png", spec);
+    write_scatter_plot(folder / "s.png", spec);
     return backend().read_png(folder / "s.png");
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("a scatter plot shows points, names and front where they belong", "[sc
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    write_scatter_plot(backend(), folder / "again.png", small());
+    write_scatter_plot(folder / "again.png", small());
     CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();

@@ -116,12 +116,12 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
-    const LostBitsScale scale(request.rows, backend());  // rows in float and in double
-    const auto in_float = metric_scale(*measure::metric::find_metric("lost_bits"), binary32, backend());
+    const LostBitsScale scale(request.rows);  // rows in float and in double
+    const auto in_float = metric_scale(*measure::metric::find_metric("lost_bits"), binary32);
     CHECK(scale.unit() == "% of the significand lost");
     for (const double bits : {0.0, 6.0, 24.0}) CHECK(scale.colour(bits, binary32) == in_float.map(bits));
     CHECK(scale.colour(53, binary64) == in_float.map(24));
-    CHECK(LostBitsScale(std::span(request.rows).first(1), backend()).unit() == "lost bits");
+    CHECK(LostBitsScale(std::span(request.rows).first(1)).unit() == "lost bits");
     int pitch = 26;  // of a column: as wide as the widest text
     while (find_block(image, {226, 238, 226}, pitch, 21)) ++pitch;
     const auto first = find_block(image, {226, 238, 226}, pitch - 1, 21);

@@ -147,7 +147,7 @@ TEST_CASE(
             backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
         CHECK(rim_is_blank(image));
         const output::image::ColourScale scale =
-            metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters, backend());
+            metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters);
         int plain_cells = 0, wrong_cells = 0;
         for (const measure::sweep::SweepStep& step : planes.steps) {
             const measure::evaluate::FormSummary& s = step.rows[r];

@@ -1,4 +1,5 @@
-// A value over a plane of two parameters, with the parameters' values at the axes.
+// Cells of colour as a picture: a table of named rows against named columns, and a value over a plane of two
+// parameters.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +12,30 @@
 #include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
+
+struct MatrixCell {
+    image::Rgb8 colour = image::style::page;
+    std::string text = {};  ///< `24/48`; in dark or light ink, whichever is read better
+};
+
+struct MatrixPlotSpec {
+    std::string title;
+    std::vector<std::string> subtitle;
+    struct Group {
+        std::string label;                 ///< above its columns, `f32`
+        std::vector<std::string> columns;  ///< written upwards below it
+    };
+    std::vector<Group> groups;  ///< side by side
+    std::vector<std::string> rows;
+    std::vector<MatrixCell> cells;  ///< row by row, over all groups
+    std::vector<image::LegendEntry> legend;
+    std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
+    std::string unit = {};                         ///< above the bar
+};
+
+/// Writes the picture as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file, and
+/// std::invalid_argument for a wrong number of cells or none.
+void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec);
 
 /// One pair of parameters: an outcome's colour, or else a value; a NaN without a colour is left hatched.
 struct PlaneCell {
@@ -36,6 +61,6 @@ struct PlanePlotSpec {
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for parameters that do not rise or have
 /// no place on their axis, a wrong number of cells, and a value without a colour scale.
-void write_plane_plot(image::ImageBackend& backend, const std::filesystem::path& path, const PlanePlotSpec& spec);
+void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot
