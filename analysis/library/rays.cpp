@@ -9,6 +9,7 @@
 #include "measure/judge/judge.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
+#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::library {
@@ -96,8 +97,8 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
                 "rays: no solids; give their shape (\"sphere\", \"box\", ...) and their numbers, or a scene");
         made.shape = *shape;
         if (rays.paired != 0 && rays.solid_count != rays.count)
-            throw InputError("there are " + std::to_string(rays.count) + " rays and " +
-                             std::to_string(rays.solid_count) + " solids; pairs need the same number of both");
+            throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
+                             scene::toml::counted(rays.solid_count, "solid") + "; pairs need the same number of both");
         if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
     }

@@ -83,7 +83,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     chosen.keep_those_for("scene " + scene.id,
                           [&scene](Shapes forms) { return selection::are_solids(forms) && scene.meets(forms); });
     measure::offset::OffsetRequest request{
-        .scene = &scene,
+        .scene = scene,
         .rows = {},
         .strategies = selection::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
                                                                                        : std::vector<std::string>{"*"}),

@@ -193,7 +193,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetRequest request{
-        .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
+        .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto forms = selection::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
     auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
     const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
@@ -205,7 +205,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
         output::offset::OffsetFiles sheet(request, {.folder = {}, .sheet_alone = to});
-        summaries = run_offsets(request, &sheet);
+        summaries = run_offsets(request, [&sheet](std::size_t row, const auto& band) { sheet.band(row, band); });
         sheet.finish(summaries);
     });
     const offset::OffsetSummary& summary = summaries.front();

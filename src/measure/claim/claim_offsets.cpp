@@ -110,7 +110,7 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
         side_of(asked.claim, asked.on);  // before the work
     }
     for (const RowClaims& row : rows) {
-        const auto summaries = offset::run_offsets({.scene = &scene,
+        const auto summaries = offset::run_offsets({.scene = scene,
                                                     .rows = {row.row},
                                                     .strategies = row.strategies,
                                                     .limit = {.stop = run.stop},
@@ -156,7 +156,7 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
 void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
-    consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
+    consistency::ConsistencyRequest request{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {
         const evaluate::TestedForm row = row_for(claim, scene);

@@ -86,7 +86,7 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
     const std::string called = "scene \"" + first.subject_name() + "\"";
     if (!scene.meets(scene::file::rendered_shape)) scene::toml::fail(first.where, called + " has no spheres to render");
     const scene::file::Appearance& look = scene.appearance;
-    picture::RenderRequest request{.scene = &scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
+    picture::RenderRequest request{.scene = scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
     std::set<scene::file::Stage> stages;
     for (const auto& [claim, on, result] : claims) {
         const scene::file::Stage stage = on.stage.value_or(look.furthest());

@@ -14,6 +14,7 @@
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -50,9 +51,10 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                               const char* has) {
-    throw InputError(dump.name() + ": " + has + " " + std::to_string(result.rays) + " rays where a picture of " +
-                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
-                     std::to_string(pixels_of(request)) + "; its --size is columns x rows");
+    throw InputError(dump.name() + ": " + has + " " + scene::toml::counted(result.rays, "ray") +
+                     " where a picture of " + std::to_string(request.picture->first) + "x" +
+                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
+                     "; its --size is columns x rows");
 }
 
 constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first

@@ -19,6 +19,7 @@
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/exr_parts.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::claim {
 
@@ -66,7 +67,7 @@ std::string summary_text(const ClaimMoves& moves) {
                          std::ranges::none_of(moves.moves, [](const auto& move) { return move.before && move.now; });
     if (foreign) return "no claim is in both runs: the earlier one was of other claims, or --filter leaves its out";
     return n == 0 ? fmt::format("no measured value moved; {} {} the same", moves.same, moves.same == 1 ? "is" : "are")
-                  : fmt::format("{} measured value{} moved, {} {} the same", n, n == 1 ? "" : "s", moves.same,
+                  : fmt::format("{} moved, {} {} the same", scene::toml::counted(n, "measured value"), moves.same,
                                 moves.same == 1 ? "is" : "are");
 }
 

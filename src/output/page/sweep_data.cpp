@@ -13,6 +13,7 @@
 #include "output/speed/trade_files.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::page {
 
@@ -179,7 +180,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& any = onsets.front();
-    return fmt::format(", among {} rays{}", any.rays,
+    return fmt::format(", among {}{}", scene::toml::counted(any.rays, "ray"),
                        any.further.empty() ? "" : fmt::format(" (and over {} draws of them)", 1 + any.further.size()));
 }
 

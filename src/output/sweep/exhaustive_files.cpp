@@ -10,6 +10,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -233,9 +234,6 @@ std::string_view failure(Outcome o) {
     }
 }
 
-/// `1 float`, `2 floats`.
-std::string count_text(std::uint64_t n) { return fmt::format("{} float{}", n, n == 1 ? "" : "s"); }
-
 /// ` (12 crack, 3 double hit)`.
 std::string kinds_text(const FloatTally& tally) {
     std::vector<std::string> kinds;
@@ -261,8 +259,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     const auto& sweep = *request.sweep;
     const FloatTally& tally = f.tally;
     std::string text =
-        fmt::format("all {} between {} and {} were tried: {}", count_text(tally.floats()), float_text(f.floats.first),
-                    float_text(f.floats.last), request.rows[f.row].form->info->name);
+        fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
+                    float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
     if (const auto judged = request.rows[f.row].judged)
         text += fmt::format(", judged by the {} solid,", intersect::convention_name(judged));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
@@ -279,8 +277,9 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure(wrong.outcome))
                  : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
-    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}", count_text(tally.wrong()),
-                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
+    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}",
+                        scene::toml::counted(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
+                        float_text(tally.last_wrong->place));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
     return text;

@@ -13,6 +13,7 @@
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -67,9 +68,9 @@ bool marches(const TestedForm& row) { return !is_solid(row.form->shape); }
 /// How many rays a step has, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& any = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep->is_drawn()) return fmt::format("{} rays per step", any.rays);
-    if (any.views == any.rays) return fmt::format("{} independent rays per step", any.rays);
-    return fmt::format("{} rays per step, of {} independent views", any.rays, any.views);
+    if (!sweep.request.sweep->is_drawn()) return scene::toml::counted(any.rays, "ray") + " per step";
+    if (any.views == any.rays) return scene::toml::counted(any.rays, "independent ray") + " per step";
+    return fmt::format("{} rays per step, of {}", any.rays, scene::toml::counted(any.views, "independent view"));
 }
 
 /// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
@@ -293,7 +294,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
             std::span(order).subspan(k, 1));
     }
     if (named < order.size())
-        add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
+        add(scene::toml::counted(order.size() - named, "other operation"), std::span(order).subspan(named));
     plot::write_line_plot(path, spec);
 }
 

@@ -27,7 +27,7 @@ const Check* named(std::string_view name) {
 
 std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                            std::vector<const Check*> among = all_checks()) {
-    return run_consistency({.scene = &scene, .rows = std::move(rows), .checks = std::move(among)});
+    return run_consistency({.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
 }
 
 /// Of one check of one row.

@@ -178,7 +178,7 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
 TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
-    const OffsetRequest request{.scene = &scene, .rows = {of}, .strategies = all_strategies()};
+    const OffsetRequest request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
     const auto both = safe_strategies(summary, request.strategies, Shape::sphere);

@@ -59,7 +59,7 @@ TEST_CASE("strategies: none moves nothing, exclude meets nothing of its own, con
 
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRequest request{
-        .scene = &scene, .rows = {{row("sphere.half_b", "f32"), HitPoint::computed}}, .strategies = all_strategies()};
+        .scene = scene, .rows = {{row("sphere.half_b", "f32"), HitPoint::computed}}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
     CHECK(summary.points > 100);
