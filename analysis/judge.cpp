@@ -137,7 +137,9 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     if (!division.joins()) {
         if (division.is_shard())
             request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
-        JudgeResult result = measure::judge::run_judge(dump, request, files.sinks());
+        JudgeResult result = measure::judge::run_judge(
+            dump, request,
+            [&files](std::size_t row, const auto& chunk, const auto& result) { files.piece(row, chunk, result); });
         if (!division.is_shard()) return result;
         division.put(job, shard::Noted::end, result, files.worst(), *request.stages);
         return std::nullopt;

@@ -136,15 +136,6 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     return info;
 }
 
-class JudgedRows final : public measure::judge::JudgeSink {
-public:
-    explicit JudgedRows(measure::evaluate::EvaluationSink& rows) : rows_(rows) {}
-    void piece(const scene::dump::Chunk&, const measure::evaluate::BandResult& result) override { rows_.band(result); }
-
-private:
-    measure::evaluate::EvaluationSink& rows_;
-};
-
 selection::Meets meets_of(const GivenRays& all) {
     const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.solids);
     return [shapes](Shapes forms) { return forms == shapes; };
@@ -189,15 +180,16 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     const auto summary = output::map::summary_table(request.metrics, shapes, false, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
-    std::deque<JudgedRows> judged;
-    std::vector<measure::judge::JudgeSink*> sinks;
     for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& of_row = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        sinks.push_back(&judged.emplace_back(rows.emplace_back(of_row, row, request.metrics)));
+        rows.emplace_back(of_row, row, request.metrics);
     }
-    const auto found = measure::judge::run_judge(*all.dump, request, sinks);
+    const auto found = measure::judge::run_judge(
+        *all.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& result) {
+            if (!rows.empty()) rows[r].band(result);
+        });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         for (const auto& row : output::map::summary_rows(

@@ -62,15 +62,12 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
     }
 }
 
-/// Keeps so many rays of each kind.
-class Worst final : public judge::JudgeSink {
-public:
-    explicit Worst(std::size_t most) : worst(most, 1) {}
-    void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) override {
-        worst.look_at(chunk.first, result);
-    }
-    judge::WorstRays worst;
-};
+/// Keeps those of the first row.
+judge::ShowJudged kept_in(judge::WorstRays& worst) {
+    return [&worst](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result) {
+        if (row == 0) worst.look_at(chunk.first, result);
+    };
+}
 
 /// Rays aimed near spheres or boxes, each with its own.
 scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
@@ -170,12 +167,12 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
     const evaluate::TestedForm row = testing::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
-    const auto judged = [&](bool late, Worst& worst) {
+    const auto judged = [&](bool late, judge::WorstRays& worst) {
         auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
         if (late) dump = std::make_unique<scene::test::LateDump>(std::move(dump));
-        return judge::run_judge(*dump, {.rows = {row}, .metrics = all_metrics}, {&worst});
+        return judge::run_judge(*dump, {.rows = {row}, .metrics = all_metrics}, kept_in(worst));
     };
-    Worst first(5), later(5);
+    judge::WorstRays first(5, 1), later(5, 1);
     const JudgeResult at_start = judged(false, first), beyond = judged(true, later);
     const evaluate::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
     REQUIRE(a.x >= 0);
@@ -183,7 +180,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
     CHECK(a.object == a.x);
     CHECK(b.object == b.x);
     CHECK(b.ulps == a.ulps);
-    const auto noted = first.worst.all(), noted_later = later.worst.all();
+    const auto noted = first.all(), noted_later = later.all();
     REQUIRE(noted.size() >= 5);
     REQUIRE(noted_later.size() == noted.size());
     for (std::size_t k = 0; k < noted.size(); ++k)
@@ -206,11 +203,11 @@ TEST_CASE("judged rays do not depend on the number of threads, and the worst are
         const testing::Threads limit(threads);
         const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
         const judge::FileForm form("a", Shape::sphere, *row.form->info);
-        Worst worst(10);
+        judge::WorstRays worst(10, 1);
         results.push_back(judge::run_judge(
             *dump, {.rows = {{&form.form(), row.format}, row}, .file_form = &form.form(), .metrics = all_metrics},
-            {&worst}));
-        noted.push_back(worst.worst.all());
+            kept_in(worst)));
+        noted.push_back(worst.all());
     }
     for (const JudgeResult& result : results) {
         CHECK(result.rays == group.rays.size());
@@ -281,15 +278,15 @@ TEST_CASE("of equal errors and of wrong decisions the first are kept") {
     const scene::test::DumpFile file("a.csv", text);
     const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
     const judge::FileForm form("a", Shape::sphere, intersect::Info{});
-    Worst worst(5);
+    judge::WorstRays worst(5, 1);
     judge::run_judge(*dump,
                      {.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
                       .rows = {{&form.form(), dump->format()}},
                       .file_form = &form.form(),
                       .metrics = all_metrics},
-                     {&worst});
+                     kept_in(worst));
     std::vector<std::uint64_t> places;
-    for (const judge::NotedRay& ray : worst.worst.all()) places.push_back(ray.place);
+    for (const judge::NotedRay& ray : worst.all()) places.push_back(ray.place);
     CHECK(places == std::vector<std::uint64_t>{0, 1, 3, 4, 6, 2, 5, 8, 11, 14});
 }
 
