@@ -82,35 +82,6 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
     CHECK(none_needed > 100);
 }
 
-TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardly any is not", "[measure][offset]") {
-    int below = 0, safe_below = 0, above = 0, unsafe_above = 0;
-    for (const auto& [scene, form] : scenes) {
-        const ScenePoints points(scene, form, "f32");
-        const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::projected, points.solids, std::nullopt, strategies);
-        for (std::size_t k = 0; k < points.met.size(); k += 3) {
-            std::array<SideOfPoint, 2> sides;
-            std::vector<StrategyAtPoint> at(2 * strategies.size());
-            if (!work.measure(points.met[k], sides, at)) continue;
-            const double e = sides[0].safe;
-            if (!(e > 0) || !std::isfinite(e)) continue;
-            const std::int64_t place = measure::truth::ordinal(e, binary32);
-            for (std::int64_t step = 1; step < (std::int64_t{1} << 25); step *= 8) {
-                below += 1;
-                safe_below += work.is_safe(points.met[k], Side::outside,
-                                           measure::truth::number_at(place - step, binary32), false);
-                above += 1;
-                unsafe_above += !work.is_safe(points.met[k], Side::outside,
-                                              measure::truth::number_at(place + step, binary32), false);
-            }
-        }
-    }
-    CAPTURE(below, safe_below, above, unsafe_above);
-    CHECK(below > 500);
-    CHECK(safe_below * 100 < below);
-    CHECK(unsafe_above * 100 < above);
-}
-
 TEST_CASE("rationals agree that the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
     int checked = 0;
     for (const auto& [scene, form] : scenes) {

@@ -183,27 +183,6 @@ TEST_CASE("the certified picture does not depend on who is held against it, nor 
     }
 }
 
-TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the near-root form, much elsewhere") {
-    const auto acne = [](const char* scene_name, const char* form, const char* format) {
-        const scene::file::Scene s = load(scene_name, 64, 48);
-        const Collected run({.scene = s, .stages = {Stage::shadows}, .rows = rows_of({format}, form)});
-        const RenderSummary& r = run.summaries.front();
-        const auto lit = r.count(false, Shadow::both_lit) + r.count(false, Shadow::own_shadow) +
-                         r.count(false, Shadow::false_shadow);
-        REQUIRE(lit > 500);
-        return static_cast<double>(r.count(false, Shadow::own_shadow)) / static_cast<double>(lit);
-    };
-    for (const char* format : {"f32", "f64"}) {
-        CHECK(acne("raycast-acne.skipped", "sphere.unified", format) == 0);
-        CHECK(acne("raycast-acne.none", "sphere.expanded", format) == 0);
-        CHECK(acne("raycast-acne.none", "sphere.unified", format) > 0.2);
-        CHECK(acne("raycast-acne.eps1em3", "sphere.unified", format) == 0);
-    }
-    CHECK(acne("raycast-acne.eps1em7", "sphere.unified", "f32") >
-          acne("raycast-acne.eps1em7", "sphere.unified", "f64"));
-    CHECK(acne("raycast-acne.none", "sphere.unified", "f32") > acne("raycast-acne.ulp4", "sphere.unified", "f32"));
-}
-
 TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round at all") {
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
     s.inputs = scene::file::Inputs::own;
