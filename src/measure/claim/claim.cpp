@@ -153,10 +153,10 @@ TestedForm claim_row(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what) {
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::broken;
-    result.trouble = std::to_string(unproved) + " " + what;
+    result.trouble = scene::toml::counted(unproved, one, several);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

@@ -103,7 +103,7 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
             std::ranges::find(request.stages, on.stage.value_or(look.furthest())) - request.stages.begin();
         const picture::RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
         result = judge(claim, picture::render_value(s, claim.metric, claim.where.text()), nullptr);
-        require_proof(result, s.unresolved(), "pixels are not proved");
+        require_proof(result, s.unresolved(), "pixel is not proved", "pixels are not proved");
     }
 }
 
