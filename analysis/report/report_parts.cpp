@@ -48,7 +48,7 @@ std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
 SweepPart case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
-        .file = &file,
+        .file = file,
         .rows = {},
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
@@ -83,7 +83,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
     constexpr output::sweep::PlotSize size{820, 470};
     std::vector<page::Picture> pictures;
     for (const Format& format : output::sweep::formats_of(sweep)) {
-        const std::string what = fmt::format("{}, {}", sweep.request.sweep->title, format.name);
+        const std::string what = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         pictures.push_back(page::picture(
             "99th percentile of lost bits: " + what,
             [&](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size); }, true));
@@ -98,7 +98,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::SweepFile sweep(work.path, work.data);
     measure::sweep::SweepRequest request{
-        .sweep = &sweep,
+        .sweep = sweep,
         .rows = work.rows,
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),

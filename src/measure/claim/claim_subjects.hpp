@@ -52,6 +52,12 @@ void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimReq
 void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
+/// Of boxes one after another: the share of seeded rays (`scene::box::BoxFamily`'s number of eight adjoining boxes,
+/// aimed at their shared edges, from `distance` sizes) on which the nearest t over all boxes differs, or the decision
+/// does, when every box is given the closest t so far as the end of the ray.
+double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+                            truth::TruthLimit limit);
+
 /// A claim holds of every draw or it does not hold.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
 

@@ -1,7 +1,5 @@
 // Claims about tables: of arithmetic, how often a sum or a difference does not notice one of its operands; and of what
 // the nearest hit so far does as the end of a ray.
-#include "measure/claim/claim_tables.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -178,7 +178,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{
-            .file = &file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+            .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> judged :
@@ -193,7 +193,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir);
     measure::sweep::SweepRequest request{
-        .sweep = &sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+        .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
     for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;

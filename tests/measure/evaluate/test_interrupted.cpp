@@ -119,9 +119,9 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
              m::consistency::run_consistency(
                  {.scene = scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
          }},
-        {"sweep", [&] { m::sweep::run_sweep({.sweep = &sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"cases", [&] { m::sweep::run_cases({.file = &cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"every float", [&] { m::sweep::run_exhaustive({.sweep = &floats, .rows = rows, .limit = limit}, state); }},
+        {"sweep", [&] { m::sweep::run_sweep({.sweep = sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"cases", [&] { m::sweep::run_cases({.file = cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"every float", [&] { m::sweep::run_exhaustive({.sweep = floats, .rows = rows, .limit = limit}, state); }},
         {"search", [&] { m::sweep::find_worst({.search = search, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"judge",
          [&] {

@@ -68,7 +68,7 @@ TEST_CASE("verdicts that follow by hand") {
     const TextFile text(head + by_hand);
     const scene::sweep::CaseFile file(text.path());
     const measure::sweep::CaseRequest request{
-        .file = &file,
+        .file = file,
         .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
         .metrics = case_metrics};
     const auto cases = measure::sweep::run_cases(request);
@@ -177,7 +177,7 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
         CHECK_FALSE(file.title.empty());
         CHECK_FALSE(file.note.empty());
         const measure::sweep::CaseRequest request{
-            .file = &file, .rows = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
+            .file = file, .rows = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
         const auto cases = measure::sweep::run_cases(request);
         REQUIRE(cases.size() == file.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {

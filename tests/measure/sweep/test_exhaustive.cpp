@@ -80,10 +80,7 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
 }
 
 sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> rows) {
-    sweep::ExhaustiveRequest request;
-    request.sweep = &file;
-    request.rows = std::move(rows);
-    return request;
+    return {.sweep = file, .rows = std::move(rows)};
 }
 
 sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
