@@ -215,7 +215,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
         part.strategies.push_back(output::offset::short_name(*request.strategies[k]));
         for (const offset::Side side : offset::both_sides)
             part.bad[static_cast<std::size_t>(side)].push_back(
-                offset_value(summary, side, k, "bad_fraction", scene.id));
+                column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
 }

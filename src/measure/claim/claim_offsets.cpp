@@ -83,7 +83,8 @@ void judge_row(const RowClaims& row, const OffsetSummary& summary) {
         const auto strategy = static_cast<std::size_t>(std::ranges::find(row.strategies, strategy_of(claim, on)) -
                                                        row.strategies.begin());
         const offset::Side side = side_of(claim, on);
-        result = judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
+        const auto& column = column_named(offset::offset_columns(), claim.metric, claim.where.text());
+        result = judge(claim, column.value(summary, side, strategy), nullptr);
         if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
         require_proof(result, summary.unresolved, "pixel has no proved truth", "pixels have no proved truth");
     }
@@ -156,7 +157,8 @@ void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, on, result] = claims[k];
         const CheckSummary& summary = rows[at[k].first][at[k].second];
-        result = judge(claim, consistency::consistency_value(summary, claim.metric, claim.where.text()), nullptr);
+        const auto& column = column_named(consistency::consistency_columns(), claim.metric, claim.where.text());
+        result = judge(claim, column.value(summary), nullptr);
         if (summary.shown && !summary.shown->rays.first.solids.empty())
             result.witness = witness_of_disagreement(*summary.shown);
         require_proof(result, summary.of(Accord::unresolved), "pixel has no proved truth",

@@ -102,7 +102,9 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
         const auto stage =
             std::ranges::find(request.stages, on.stage.value_or(look.furthest())) - request.stages.begin();
         const picture::RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
-        result = judge(claim, picture::render_value(s, claim.metric, claim.where.text()), nullptr);
+        const auto& column =
+            column_named(picture::render_columns(), claim.metric, claim.where.text(), " of a rendered scene");
+        result = judge(claim, column.value(s), nullptr);
         require_proof(result, s.unresolved(), "pixel is not proved", "pixels are not proved");
     }
 }

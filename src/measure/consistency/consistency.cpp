@@ -123,8 +123,4 @@ std::vector<RowChecks> run_consistency(const ConsistencyRequest& request,
 
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }
 
-double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where) {
-    return column_named(consistency_columns(), column, where).value(summary);
-}
-
 }  // namespace lostbits::measure::consistency

@@ -65,7 +65,5 @@ std::vector<RowChecks> run_consistency(
 /// A column of the summary after check, form and format; the CSV and the claims read the same rows.
 using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;
 std::span<const ConsistencyColumn> consistency_columns();
-/// Of a column by its name; see `metric::column_named`.
-double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where);
 
 }  // namespace lostbits::measure::consistency

@@ -114,9 +114,6 @@ std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
 /// A column of the summary after point, side, strategy, form and format; the CSV and the claims read the same rows.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
-/// Of a column by its name; see `metric::column_named`.
-double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
-                    const std::string& where);
 
 /// A strategy with which no respawned ray goes wrong.
 struct SafeStrategy {

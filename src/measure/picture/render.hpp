@@ -100,8 +100,6 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
 using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
-/// Of a column by its name; see `metric::column_named`.
-double render_value(const RenderSummary& summary, const std::string& column, const std::string& where);
 
 struct RenderRequest {
     const scene::file::Scene& scene;         ///< of spheres

@@ -1,4 +1,4 @@
-// Rendered pictures: against plain arithmetic in 256 bits, between stages, formats and forms.
+// Rendered pictures: against plain arithmetic in 256 bits, and between formats.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -117,39 +117,6 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
     CHECK(beyond > 50);
 }
 
-TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form and format") {
-    const auto rows = rows_of({"f32", "bf16", "p17"});
-    const auto compare = [&](const scene::file::Scene& s, std::size_t simpler, std::size_t fuller) {
-        const Collected run({.scene = s, .stages = all_stages, .rows = rows});
-        for (std::size_t r = 0; r < rows.size(); ++r) {
-            CAPTURE(rows[r].form->info->name, rows[r].format.name);
-            CHECK(same(run.pictures[r][simpler], run.pictures[r][fuller]));
-        }
-        for (const TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
-    };
-    scene::file::Scene s = load("raycast-course.small", 32, 24);
-    {
-        const Collected run({.scene = s, .stages = all_stages, .rows = rows});
-        for (std::size_t stage = 1; stage < 4; ++stage)
-            CHECK_FALSE(same(run.pictures[0][stage - 1], run.pictures[0][stage]));
-    }
-    for (auto& m : s.appearance.materials) m.specular = 0;
-    compare(s, 2, 3);
-    scene::file::Scene alone = s;  // nothing to cast a shadow on a sphere, and no plane behind it
-    alone.listed.erase(alone.listed.begin() + 1, alone.listed.end());
-    alone.appearance.materials.resize(1);
-    alone.camera.kind = scene::file::Camera::Kind::pinhole;
-    alone.camera.look_at = alone.listed[0].sphere().centre;
-    alone.camera.up = Vec<Real>(Real(0), Real(1), Real(0));
-    alone.camera.fov_deg = 12;
-    alone.camera.shift_right = alone.camera.shift_up = 0;
-    compare(alone, 1, 2);
-    s.appearance.shadows.reset();
-    compare(s, 1, 2);
-    s.appearance.light.reset();
-    compare(s, 0, 1);
-}
-
 TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f32") {
     for (const char* name : {"raycast-course.pixels", "raycast-acne.none", "raycast-acne.ulp4", "raycast-far.at2p12"}) {
         const scene::file::Scene s = load(name, 32, 24);
@@ -166,20 +133,6 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
                                          [](double a, double b) { return same(a, b); }));
             }
         }
-    }
-}
-
-TEST_CASE("the certified picture does not depend on who is held against it, nor on own shadows and offsets") {
-    const scene::file::Scene skipped = load("raycast-acne.skipped", 48, 36),
-                             far_off = load("raycast-acne.eps1em1", 48, 36);
-    const Collected a({.scene = skipped, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.expanded")});
-    const Collected b({.scene = far_off,
-                       .stages = {Stage::diffuse, Stage::shadows},
-                       .rows = rows_of({"bf16"}, "sphere.unit_half_b")});
-    REQUIRE(a.truth.size() == b.truth.size());
-    for (std::size_t i = 0; i < a.truth.size(); ++i) {
-        REQUIRE(a.truth[i].colours[2].byte == b.truth[i].colours[2].byte);
-        REQUIRE(a.truth[i].shadow == b.truth[i].shadow);
     }
 }
 

@@ -132,8 +132,6 @@ TEST_CASE("wrong decisions come before wrong values, the most frequent of them c
     CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_miss);
     CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == Verdict::not_a_number);
     CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::not_a_number)] == "not_a_number");
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::within_inputs)] == "within_inputs");
 }
 
 TEST_CASE("no solid is hit that is none") {

@@ -81,13 +81,6 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
 
 }  // namespace
 
-TEST_CASE("every float across a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
-    const Scratch folder;
-    check_counts(
-        ExhaustiveFile(folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -8.0009765625\nto = -8")),
-                       LOSTBITS_DATA_DIR));
-}
-
 TEST_CASE("every float through a vertex of a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
     const Scratch folder;
     const ExhaustiveFile file(
