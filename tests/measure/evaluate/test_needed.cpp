@@ -179,8 +179,9 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
     const measure::truth::Band band(rays, {solid}, {.bits = 1});
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
+    const scene::file::Scene none;  // the band has its rays
     const auto results =
-        measure_needed({.scene = nullptr, .forms = {&testing::form_named("sphere.unified")}, .bits = 12}, band);
+        measure_needed({.scene = none, .forms = {&testing::form_named("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
     CHECK(results[0].needed[1] <= most_width);
     NeededSummary summary;
