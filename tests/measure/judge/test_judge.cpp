@@ -3,9 +3,9 @@
 #include "measure/judge/judge.hpp"
 
 #include <cmath>
-#include <map>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/judge/files_of_answers.hpp"
 #include "measure/judge/worst_rays.hpp"
@@ -126,7 +126,8 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
 
 TEST_CASE("a ray with a solid of its own has the truth of those two, and every form answers about them") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
-        const scene::rays::RayGroup group = random_pairs(shape, 50000, 3);
+        const auto count = static_cast<int>(lostbits::test::draws(50000));
+        const scene::rays::RayGroup group = random_pairs(shape, count, 3);
         const truth::Band band(group);
         std::size_t hits = 0;
         for (const intersect::Convention convention :
@@ -141,7 +142,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
                 hits += alone.is_hit();
             }
         }
-        CHECK(hits > 10000);
+        CHECK(hits > group.rays.size() / 5);
         for (const char* format : {"f32", "f64", "bf16"}) {
             const auto inputs = band.inputs(*find_format(format), {.unit_rays = true});
             const std::size_t few = std::string(format) == "bf16" ? 500 : 5000;
@@ -211,27 +212,20 @@ TEST_CASE("the answers of a file are judged as those of the form, and the worst 
     const auto noted = worst.all();
     // One by one.
     std::vector<double> errors;
-    std::map<answer::Outcome, std::vector<std::uint64_t>> wrong;
+    std::size_t wrong = 0;
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const truth::Truth& truth = band.truth(i, {});
         const bool hit = answers.hit[i] != 0;
-        if (hit != truth.is_hit()) wrong[hit ? answer::Outcome::false_hit : answer::Outcome::false_miss].push_back(i);
+        wrong += hit != truth.is_hit();
         if (hit && truth.is_hit()) errors.push_back(std::fabs(truth::ulp_error(answers.t[i], truth.t, binary32)));
     }
     std::ranges::sort(errors, std::greater<>());
     const auto& s = result.summaries[0];
-    for (const auto& [outcome, places] : wrong) CHECK(s.count(outcome) == places.size());
+    CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
     CHECK(s.count(answer::Outcome::agree_hit) == errors.size());
-    REQUIRE(noted.size() > 10);
+    REQUIRE(noted.size() >= 10);
     for (std::size_t k = 0; k < noted.size(); ++k) {
-        if (k < 10) {
-            CHECK(std::fabs(noted[k].ulps) == Approx(errors[k]).epsilon(1e-9));
-        } else {
-            std::vector<std::uint64_t>& left = wrong[noted[k].outcome];
-            REQUIRE_FALSE(left.empty());
-            CHECK(noted[k].place == left.front());
-            left.erase(left.begin());
-        }
+        if (k < 10) CHECK(std::fabs(noted[k].ulps) == Approx(errors[k]).epsilon(1e-9));
         const auto& given = *noted[k].given;
         CHECK(given.rays.ox[0] == group.rays.ox[noted[k].place]);
         CHECK(given.solids.size() == 1);
