@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -93,9 +92,7 @@ MeasuredClaim claim_in(const nlohmann::json& json, const std::filesystem::path& 
                         .measured = number_in(json.at("measured_hex"), path),
                         .low = number_in(json.at("expected_hex").at(0), path),
                         .high = number_in(json.at("expected_hex").at(1), path)};
-    using Became = measure::claim::ClaimResult::State;
-    const auto is_it = [&claim](Became s) { return claim.state == state_name(s); };
-    if (std::ranges::none_of(std::array{Became::agrees, Became::disagrees, Became::broken, Became::skipped}, is_it))
+    if (std::ranges::find(state_names, claim.state) == state_names.end())
         throw wrong(path,
                     "has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
     const auto& decimal = json.at("measured");
