@@ -11,6 +11,7 @@
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -59,8 +60,9 @@ std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sw
     const auto* const part = on.part_if<SweepSubject::At>();
     std::vector<double> at = part ? part->values : std::vector<double>{};
     if (at.size() != sweep.axes.size()) {
-        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " + std::to_string(sweep.axes.size()) +
-                                           " axes; write as many values in `at`");
+        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " +
+                                           scene::toml::counted(sweep.axes.size(), "axis", "axes") +
+                                           "; write as many values in `at`");
     }
     for (std::size_t a = 0; a < at.size(); ++a) {
         const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);

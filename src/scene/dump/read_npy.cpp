@@ -240,9 +240,8 @@ Lie read_npy(ByteSource& source, const DumpOptions& options) {
         const ItemType type = type_of(header.fields.front().type, "", file);
         if (rays.size() < 2)
             throw InputError(
-                fmt::format("{}: has {} axes; rays are an array of n rows and k columns, or of records with "
-                            "named fields",
-                            file, rays.size()));
+                fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
+                            file, toml::counted(rays.size(), "axis", "axes")));
         if (options.columns.empty())
             throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
                                          toml::counted(rays.back(), "column")));
