@@ -69,14 +69,15 @@ void say_row(const ConsistencyRequest& request, const measure::evaluate::TestedF
 /// One scene; the number of questions whose exact answer is not proved.
 std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
                                output::file::Progress& progress) {
-    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    const auto folder = std::filesystem::path(o.out) / request.scene.id;
     output::consistency::ConsistencyFiles files(
         request, {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all"});
     // Files of many forms and checks take seconds to open: what is estimated begins here.
-    output::file::Estimate estimate(progress, request.scene->id, request.scene->pixels() * request.rows.size(),
+    output::file::Estimate estimate(progress, request.scene.id, request.scene.pixels() * request.rows.size(),
                                     common.quiet);
     request.progress = advancing(progress, &estimate);
-    const auto rows = measure::consistency::run_consistency(request, &files);
+    const auto rows = measure::consistency::run_consistency(
+        request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     files.finish(rows);
     std::uint64_t unresolved = 0;
     for (const RowChecks& row : rows) {
@@ -113,7 +114,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
         requests.push_back(
-            {.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked), .limit = {.stop = common.stop}});
+            {.scene = scene, .rows = std::move(fitting), .checks = std::move(asked), .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);

@@ -14,6 +14,7 @@
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis {
@@ -136,7 +137,9 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     if (!division.joins()) {
         if (division.is_shard())
             request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
-        JudgeResult result = measure::judge::run_judge(dump, request, files.sinks());
+        JudgeResult result = measure::judge::run_judge(
+            dump, request,
+            [&files](std::size_t row, const auto& chunk, const auto& result) { files.piece(row, chunk, result); });
         if (!division.is_shard()) return result;
         division.put(job, shard::Noted::end, result, files.worst(), *request.stages);
         return std::nullopt;
@@ -251,12 +254,12 @@ Exit run(const JudgeWords& o, const Common& common) {
         if (result.rounded > 0)
             fmt::print(
                 stderr,
-                "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
-                "answers were computed in with --format\n",
-                o.file, result.rounded, dump->format().name);
+                "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
+                "--format\n",
+                o.file, scene::toml::counted(result.rounded, "number is not one", "numbers are not numbers"),
+                dump->format().name, result.rounded == 1 ? "was" : "were");
         note_digits(o.file, dump->format(), result);
-        fmt::print("{} ray{} of {}, read as {}\n", result.rays, result.rays == 1 ? "" : "s", o.file,
-                   dump->format().name);
+        fmt::print("{} of {}, read as {}\n", scene::toml::counted(result.rays, "ray"), o.file, dump->format().name);
         print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);

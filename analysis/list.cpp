@@ -18,6 +18,7 @@
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
 
@@ -209,7 +210,8 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
     const auto of = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases:
-            return of(scene::sweep::CaseFile(path), [](const auto& f) { return fmt::format("{} cases", f.size()); });
+            return of(scene::sweep::CaseFile(path),
+                      [](const auto& f) { return scene::toml::counted(f.size(), "case"); });
         case SweepKind::search:
             return of(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
         case SweepKind::edge_search:

@@ -89,10 +89,10 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
     work.map.metrics = measure::evaluate::order_culprits(work.map, made);
     if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits-needed");
     if (o.bits_needed > 0)
-        work.needed = NeededRequest{.scene = &scene,
-                                    .forms = forms_of_any_width(work.map.rows),
-                                    .bits = o.bits_needed,
-                                    .limit = work.map.limit};
+        work.needed.emplace(NeededRequest{.scene = scene,
+                                          .forms = forms_of_any_width(work.map.rows),
+                                          .bits = o.bits_needed,
+                                          .limit = work.map.limit});
     return work;
 }
 
@@ -199,7 +199,8 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
         output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
                                         common.quiet);
         request.progress = advancing(progress, &estimate);
-        summaries.needed = measure::evaluate::run_needed(request, needed_files->sinks());
+        summaries.needed = measure::evaluate::run_needed(
+            request, [&](std::size_t form, const auto& band) { needed_files->band(form, band); });
     }
     if (division.is_shard()) {
         if (work.needed) division.put(needed_job, shard::Noted::end, summaries.needed, measure::truth::StageCounts{});

@@ -53,20 +53,23 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene,
 /// The scene at every place of an axis.
 void sweep_offsets(const OffsetRequest& request, Along along, output::offset::AlongFiles& files) {
     for (const double k : measure::offset::steps_along(along)) {
-        const Scene there = measure::offset::moved_along(*request.scene, along, k);
-        OffsetRequest step = request;
-        step.scene = &there;
-        files.add(k, measure::offset::run_offsets(step));
+        const Scene there = measure::offset::moved_along(request.scene, along, k);
+        files.add(k, measure::offset::run_offsets({.scene = there,
+                                                   .rows = request.rows,
+                                                   .strategies = request.strategies,
+                                                   .limit = request.limit,
+                                                   .quiet = request.quiet,
+                                                   .progress = request.progress}));
     }
     files.finish();
 }
 
 /// Pixels of all rows, of the scene itself and of every place that it is moved to.
 std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
-    std::uint64_t pixels = request.scene->pixels();
+    std::uint64_t pixels = request.scene.pixels();
     for (const Along along : o.axes()) {
         for (const double k : measure::offset::steps_along(along))
-            pixels += measure::offset::moved_along(*request.scene, along, k).pixels();
+            pixels += measure::offset::moved_along(request.scene, along, k).pixels();
     }
     return pixels * request.rows.size();
 }
@@ -74,7 +77,7 @@ std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
 /// Offsets over one scene; the number of its rays without a proved truth.
 std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o, const Common& common,
                            output::file::Progress& progress) {
-    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    const auto folder = std::filesystem::path(o.out) / request.scene.id;
     std::vector<std::unique_ptr<output::offset::AlongFiles>> along;
     std::vector<output::file::DataResource> also;
     for (const Along axis : o.axes()) {
@@ -84,7 +87,8 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
     output::offset::OffsetFiles files(
         request,
         {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all", .also = std::move(also)});
-    const auto summaries = measure::offset::run_offsets(request, &files);
+    const auto summaries =
+        measure::offset::run_offsets(request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     for (std::size_t k = 0; k < along.size(); ++k) sweep_offsets(request, o.axes()[k], *along[k]);
     files.finish(summaries);
     if (!common.quiet) {
@@ -98,7 +102,7 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
                 fmt::print(stderr,
                            "lostbits: scene {}: no ray of its camera meets a solid where the form says so, so there "
                            "is no point to leave; look at its eye, look_at and width or fov\n",
-                           request.scene->id);
+                           request.scene.id);
         });
     }
     return summaries.front().unresolved;
@@ -123,7 +127,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        requests.push_back({.scene = &scene,
+        requests.push_back({.scene = scene,
                             .rows = rows_for(scene, rows, o),
                             .strategies = strategies,
                             .limit = {.stop = common.stop}});

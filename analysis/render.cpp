@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "output/picture/render_files.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
 
@@ -77,13 +78,14 @@ void print_rendered(const RenderRequest& request, const std::vector<RenderSummar
 /// Renders one scene; the number of its pixels of which something is not proved.
 std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common,
                            output::file::Progress& progress) {
-    const auto folder = std::filesystem::path(o.out) / request.scene->id;
+    const auto folder = std::filesystem::path(o.out) / request.scene.id;
     output::picture::RenderFiles files(
         request,
         {.folder = folder,
-         .command = common.typed.of(selection::name_of_scene(*request.scene, selection::data_folder(common.data))),
+         .command = common.typed.of(selection::name_of_scene(request.scene, selection::data_folder(common.data))),
          .singles = o.pictures == "all"});
-    const auto summaries = measure::picture::run_render(request, &files);
+    const auto summaries =
+        measure::picture::run_render(request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     files.finish(summaries);
     progress.aside([&] {
         if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
@@ -114,7 +116,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     std::vector<RenderRequest> requests;
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
-        requests.push_back({.scene = &scene,
+        requests.push_back({.scene = scene,
                             .stages = stages_of(scene, o, common.quiet),
                             .rows = selection::fitting(rows, [&](Shapes shapes) { return scene.meets(shapes); }),
                             .limit = {.stop = common.stop}});
@@ -132,10 +134,9 @@ Exit run(const RenderOptions& o, const Common& common) {
     }
     progress.finish();
     if (unproved > 0 && !common.quiet)
-        fmt::print(stderr,
-                   "lostbits: {} pixels could not be proved within {} bits; they count as `unresolved` and are drawn "
-                   "as such\n",
-                   unproved, measure::picture::PictureLimit{}.bits);
+        fmt::print(stderr, "lostbits: {} could not be proved within {} bits; {} drawn as such\n",
+                   scene::toml::counted(unproved, "pixel"), measure::picture::PictureLimit{}.bits,
+                   unproved == 1 ? "it counts as `unresolved` and is" : "they count as `unresolved` and are");
     return unproved == 0 ? Exit::done : Exit::internal;
 }
 

@@ -11,6 +11,7 @@
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
 
@@ -114,9 +115,9 @@ std::string each(const char* before, const std::vector<std::string>& values, con
 
 Exit end_with_unproved(std::uint64_t rays) {
     if (rays == 0) return Exit::done;
-    fmt::print(stderr,
-               "lostbits: the true answer of {} rays could not be proved within {} bits; they count as `unresolved`\n",
-               rays, measure::truth::TruthLimit{}.bits);
+    fmt::print(stderr, "lostbits: the true answer of {} could not be proved within {} bits; {} as `unresolved`\n",
+               scene::toml::counted(rays, "ray"), measure::truth::TruthLimit{}.bits,
+               rays == 1 ? "it counts" : "they count");
     return Exit::internal;
 }
 

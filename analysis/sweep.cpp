@@ -48,8 +48,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
-    measure::sweep::CaseRequest request{
-        .file = &file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
+    measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics =
         chosen.made.for_forms(selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
                               [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
@@ -77,7 +76,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o));
     sweep.title += chosen.o.in_title();
     measure::sweep::SweepRequest request{
-        .sweep = &sweep,
+        .sweep = sweep,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
         .metrics = {},
         .limit = {.stop = common.stop}};

@@ -43,7 +43,6 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSw
            .share = chosen.division().share()},
           "sweep " + sweep_.id),
       chosen_(chosen) {
-    request_.sweep = &sweep_;
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());

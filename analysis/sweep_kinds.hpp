@@ -96,7 +96,7 @@ private:
     measure::sweep::ExhaustiveState try_all(bool keep);
 
     scene::sweep::ExhaustiveFile sweep_;
-    measure::sweep::ExhaustiveRequest request_;
+    measure::sweep::ExhaustiveRequest request_{.sweep = sweep_};
     measure::sweep::ExhaustiveState state_;
     std::filesystem::path path_, folder_;
     output::shard::UnfinishedFile unfinished_;

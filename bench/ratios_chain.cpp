@@ -110,9 +110,8 @@ radius = 1
 )";
     const scene::sweep::ExhaustiveFile sweep(file, {});
     for (const char* form : {"sphere.schoolbook", "sphere.unified"}) {
-        measure::sweep::ExhaustiveRequest request;
-        request.sweep = &sweep;
-        request.rows = {{&form_named(form), *find_format("f32")}};
+        const measure::sweep::ExhaustiveRequest request{.sweep = sweep,
+                                                        .rows = {{&form_named(form), *find_format("f32")}}};
         measure::sweep::ExhaustiveState state;
         const double seconds = seconds_of([&] { measure::sweep::run_exhaustive(request, state); });
         std::printf("%-28s %-6s %25.1f   (all processors together)\n", form, "f32",

@@ -7,6 +7,7 @@
 
 #include "number/error.hpp"
 #include "output/file/escape.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
@@ -147,8 +148,8 @@ void print(const Result& r, bool verbose) {
     if (c.same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {} {}", file, c.count, c.count == 1 ? "difference" : "differences");
-        if (c.rows_differ > 0) fmt::print(", in {} of {} rows", c.rows_differ, c.rows);
+        fmt::print("{}: {}", file, scene::toml::counted(c.count, "difference"));
+        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, scene::toml::counted(c.rows, "row"));
         fmt::print("\n");
     }
     for (const auto& column : c.columns) {

@@ -9,6 +9,7 @@
 #include "measure/judge/judge.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
+#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::library {
@@ -96,8 +97,8 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
                 "rays: no solids; give their shape (\"sphere\", \"box\", ...) and their numbers, or a scene");
         made.shape = *shape;
         if (rays.paired != 0 && rays.solid_count != rays.count)
-            throw InputError("there are " + std::to_string(rays.count) + " rays and " +
-                             std::to_string(rays.solid_count) + " solids; pairs need the same number of both");
+            throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
+                             scene::toml::counted(rays.solid_count, "solid") + "; pairs need the same number of both");
         if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
     }
@@ -134,15 +135,6 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     info.facing = contract.facing;
     return info;
 }
-
-class JudgedRows final : public measure::judge::JudgeSink {
-public:
-    explicit JudgedRows(measure::evaluate::EvaluationSink& rows) : rows_(rows) {}
-    void piece(const scene::dump::Chunk&, const measure::evaluate::BandResult& result) override { rows_.band(result); }
-
-private:
-    measure::evaluate::EvaluationSink& rows_;
-};
 
 selection::Meets meets_of(const GivenRays& all) {
     const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.solids);
@@ -188,15 +180,16 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     const auto summary = output::map::summary_table(request.metrics, shapes, false, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
-    std::deque<JudgedRows> judged;
-    std::vector<measure::judge::JudgeSink*> sinks;
     for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& of_row = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        sinks.push_back(&judged.emplace_back(rows.emplace_back(of_row, row, request.metrics)));
+        rows.emplace_back(of_row, row, request.metrics);
     }
-    const auto found = measure::judge::run_judge(*all.dump, request, sinks);
+    const auto found = measure::judge::run_judge(
+        *all.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& result) {
+            if (!rows.empty()) rows[r].band(result);
+        });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         for (const auto& row : output::map::summary_rows(

@@ -34,7 +34,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     std::vector<const measure::metric::Metric*> asked = chosen.asked;
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
     measure::sweep::SweepRequest request{
-        .sweep = &sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
+        .sweep = sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
         chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
                               [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
@@ -83,7 +83,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     chosen.keep_those_for("scene " + scene.id,
                           [&scene](Shapes forms) { return selection::are_solids(forms) && scene.meets(forms); });
     measure::offset::OffsetRequest request{
-        .scene = &scene,
+        .scene = scene,
         .rows = {},
         .strategies = selection::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
                                                                                        : std::vector<std::string>{"*"}),

@@ -48,7 +48,7 @@ std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
 SweepPart case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
-        .file = &file,
+        .file = file,
         .rows = {},
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
@@ -83,7 +83,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
     constexpr output::sweep::PlotSize size{820, 470};
     std::vector<page::Picture> pictures;
     for (const Format& format : output::sweep::formats_of(sweep)) {
-        const std::string what = fmt::format("{}, {}", sweep.request.sweep->title, format.name);
+        const std::string what = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         pictures.push_back(page::picture(
             "99th percentile of lost bits: " + what,
             [&](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size); }, true));
@@ -98,7 +98,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::SweepFile sweep(work.path, work.data);
     measure::sweep::SweepRequest request{
-        .sweep = &sweep,
+        .sweep = sweep,
         .rows = work.rows,
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
@@ -193,7 +193,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetRequest request{
-        .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
+        .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto forms = selection::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
     auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
     const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
@@ -205,7 +205,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
         output::offset::OffsetFiles sheet(request, {.folder = {}, .sheet_alone = to});
-        summaries = run_offsets(request, &sheet);
+        summaries = run_offsets(request, [&sheet](std::size_t row, const auto& band) { sheet.band(row, band); });
         sheet.finish(summaries);
     });
     const offset::OffsetSummary& summary = summaries.front();
@@ -215,7 +215,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
         part.strategies.push_back(output::offset::short_name(*request.strategies[k]));
         for (const offset::Side side : offset::both_sides)
             part.bad[static_cast<std::size_t>(side)].push_back(
-                offset_value(summary, side, k, "bad_fraction", scene.id));
+                column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
 }

@@ -16,6 +16,7 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/sweep/sweep_head.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"
@@ -190,8 +191,8 @@ AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::p
     auto groups = file.rays(number, row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (asked && *asked >= count)
-        throw InputError(fmt::format("--case {}: the case has {} ray{}, counted from 0", words.named_case, count,
-                                     count == 1 ? "" : "s"));
+        throw InputError(fmt::format("--case {}: the case has {}, counted from 0", words.named_case,
+                                     scene::toml::counted(count, "ray")));
     const int k = asked ? *asked : worst_of(groups, rays, row, words.stop);
     AskedRay found{
         nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,

@@ -11,6 +11,7 @@
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis::selection {
@@ -167,9 +168,9 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
 void note_rounded(const measure::choice::FileRays& rays, bool quiet) {
     if (rays.rounded == 0 || quiet) return;
     fmt::print(stderr,
-               "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that they "
-               "were computed in with --file-format\n",
-               rays.name, rays.rounded, rays.format.name);
+               "lostbits: {}: {} of {}, and {} rounded to it; name the format that {} computed in with --file-format\n",
+               rays.name, scene::toml::counted(rays.rounded, "number is not one", "numbers are not numbers"),
+               rays.format.name, rays.rounded == 1 ? "was" : "were", rays.rounded == 1 ? "it was" : "they were");
 }
 
 }  // namespace lostbits::analysis::selection

@@ -111,7 +111,7 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const T
 
 AskedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row, StopToken stop) {
     const measure::sweep::SweepRequest request{
-        .sweep = &sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .sweep = sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {

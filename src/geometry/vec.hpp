@@ -45,6 +45,13 @@ T length(const Vec<T>& a) {
     return sqrt(square(a));
 }
 
+/// v/|v|, each component a quotient; 0/0 for v = 0.
+template <Number T>
+Vec<T> unit_of(const Vec<T>& v) {
+    const T size = length(v);
+    return Vec<T>(v.x / size, v.y / size, v.z / size);
+}
+
 /// Each component is called that.
 template <Number T>
 const Vec<T>& named(std::string_view label, const Vec<T>& v) {

@@ -185,7 +185,7 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
          {"none.csv", "none.csv: has no rays"},
          {"rays.csv --scene near-benign", "write one or the other"},
          {"rays.csv --box 4,4,4,5,5,5 -i sphere.press+sphere.unified", "are both for spheres"},
-         {"rays.csv --size 7x1", "has 1 rays where a picture of 7x1 has 7"},
+         {"rays.csv --size 7x1", "has 1 ray where a picture of 7x1 has 7"},
          {"rays.csv --size 0x0", "whole numbers from 1 to 65536"},
          {"rays.csv --size=-1x5", "whole numbers from 1 to 65536"},
          {"rays.csv --metric culprit", "whose operations are not known"},

@@ -8,10 +8,9 @@ namespace {
 
 /// Keeps every n-th ray of a file of unknown length: n is doubled, and every other ray dropped, when there are too
 /// many.
-class Sampler final : public judge::JudgeSink {
+class Sampler {
 public:
-    void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) override {
-        static_cast<void>(result);
+    void add(const scene::dump::Chunk& chunk) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if ((chunk.first + i) % step_ != 0) continue;
             if (sample_.rays.size() == most) halve();
@@ -62,7 +61,10 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
         asked.rows.insert(asked.rows.begin(), {asked.file_form, dump.format()});
     }
     Sampler sampler;
-    const judge::JudgeResult result = judge::run_judge(dump, asked, {&sampler});
+    const judge::JudgeResult result = judge::run_judge(
+        dump, asked, [&sampler](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
+            if (row == 0) sampler.add(chunk);
+        });
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < asked.rows.size(); ++r) {

@@ -190,7 +190,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / solids, 64, 65536));
     const scene::file::Scene thin = thinned(scene, std::min(pixels, affordable));
     const offset::OffsetRequest request{
-        .scene = &thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
+        .scene = thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
     const offset::OffsetSummary summary = std::move(offset::run_offsets(request).front());
     SafeOffsets safe;
     safe.points = summary.points;

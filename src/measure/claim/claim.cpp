@@ -15,6 +15,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing.hpp"
 #include "scene/rays/made_rows.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
@@ -76,7 +77,8 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
-        result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";
+        result.trouble = scene::toml::counted(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
+                                              "rays have no proved truth");
     } else if (std::isnan(measured)) {
         result.trouble = "there is no ray to measure it on";
     } else {
@@ -151,10 +153,10 @@ TestedForm claim_row(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what) {
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::broken;
-    result.trouble = std::to_string(unproved) + " " + what;
+    result.trouble = scene::toml::counted(unproved, one, several);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

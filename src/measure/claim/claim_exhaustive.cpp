@@ -104,17 +104,17 @@ std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally&
 
 evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t place) {
     const auto there = sweep::answer_at(request, 0, row, place);
-    evaluate::WorstRay witness;
-    witness.x = witness.y = 0;
-    witness.given = std::make_shared<scene::rays::RayGroup>(request.sweep->group_at(0, float_at(place)));
-    witness.ray = witness.given->rays[0];
-    witness.solid = witness.given->solids.front();
-    witness.t = there.t;
-    witness.outcome = there.outcome;
-    witness.ulps = there.ulps;
-    witness.truth = there.truth;
-    witness.judged = request.rows[row].judged;
-    return witness;
+    const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(place)));
+    return {.x = 0,
+            .y = 0,
+            .ray = given->rays[0],
+            .solid = given->solids.front(),
+            .t = there.t,
+            .outcome = there.outcome,
+            .ulps = there.ulps,
+            .truth = there.truth,
+            .judged = request.rows[row].judged,
+            .given = given};
 }
 
 TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
@@ -144,9 +144,9 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
     ClaimResult result = judge(claim, measured, nullptr);
     result.floats = all.floats();
     if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
-    require_proof(result, all.count(Outcome::unresolved), "floats have no proved truth");
+    require_proof(result, all.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // What names a ray by its numbers names its solids so, and a mesh has too many.
-    if (const auto place = witness_place(claim, all); place && !request.sweep->mesh)
+    if (const auto place = witness_place(claim, all); place && !request.sweep.mesh)
         result.witness = witness_at(request, row, *place);
     return result;
 }
@@ -158,9 +158,7 @@ struct OfRange {
 };
 
 void measure_range(const OfRange& of, truth::TruthLimit limit) {
-    ExhaustiveRequest request;
-    request.sweep = &of.file;
-    request.limit = limit;
+    ExhaustiveRequest request{.sweep = of.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, float_row(asked.claim, of.file)));
     sweep::ExhaustiveState state;

@@ -19,12 +19,6 @@ using scene::claim::OffsetsSubject;
 
 namespace {
 
-std::vector<std::string> strategy_names() {
-    std::vector<std::string> names;
-    for (const offset::Strategy& s : offset::strategies()) names.emplace_back(s.name);
-    return names;
-}
-
 /// What is asked of the points of one row: no more than its claims name, for every strategy has rays of its own, and
 /// the search for a quiet offset takes as long as all the rest.
 struct RowClaims {
@@ -47,21 +41,20 @@ std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::Strateg
 
 /// The respawned ray with the solid that it leaves: it pastes into `lostbits explain`.
 evaluate::WorstRay witness_of(const offset::BadRay& bad) {
-    evaluate::WorstRay w;
-    w.x = bad.x;
-    w.y = bad.y;
-    w.object = bad.object;
-    w.ray = bad.ray.ray;
-    w.solid = bad.solid;
-    w.size = 0;
-    scene::rays::RayGroup group = scene::rays::group_of(bad.ray.ray);
-    group.solids = {bad.solid};
-    w.given = std::make_shared<const scene::rays::RayGroup>(std::move(group));
-    return w;
+    const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad.ray.ray));
+    given->solids = {bad.solid};
+    return {.x = bad.x,
+            .y = bad.y,
+            .object = bad.object,
+            .size = 0,
+            .ray = bad.ray.ray,
+            .solid = bad.solid,
+            .given = given};
 }
 
 const offset::Strategy* strategy_of(const Claim& claim, const OffsetsSubject& on) {
-    return &offset::strategies()[place_of_word(claim, "strategy", on.strategy, strategy_names())];
+    const auto all = offset::strategies();
+    return &all[place_of_word(claim, "strategy", on.strategy, all, &offset::Strategy::name)];
 }
 
 offset::Side side_of(const Claim& claim, const OffsetsSubject& on) {
@@ -90,9 +83,10 @@ void judge_row(const RowClaims& row, const OffsetSummary& summary) {
         const auto strategy = static_cast<std::size_t>(std::ranges::find(row.strategies, strategy_of(claim, on)) -
                                                        row.strategies.begin());
         const offset::Side side = side_of(claim, on);
-        result = judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
+        const auto& column = column_named(offset::offset_columns(), claim.metric, claim.where.text());
+        result = judge(claim, column.value(summary, side, strategy), nullptr);
         if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
-        require_proof(result, summary.unresolved, "pixels have no proved truth");
+        require_proof(result, summary.unresolved, "pixel has no proved truth", "pixels have no proved truth");
     }
 }
 
@@ -110,7 +104,7 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
         side_of(asked.claim, asked.on);  // before the work
     }
     for (const RowClaims& row : rows) {
-        const auto summaries = offset::run_offsets({.scene = &scene,
+        const auto summaries = offset::run_offsets({.scene = scene,
                                                     .rows = {row.row},
                                                     .strategies = row.strategies,
                                                     .limit = {.stop = run.stop},
@@ -121,16 +115,11 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
 
 namespace {
 
-std::vector<std::string> check_names() {
-    std::vector<std::string> names;
-    for (const Check& c : consistency::checks()) names.emplace_back(c.name);
-    return names;
-}
-
 /// The check of a claim, which can be asked of its form.
 const Check& check_of(const Claim& claim, const std::string& name, const scene::file::Scene& scene,
                       const evaluate::TestedForm& row) {
-    const Check& check = consistency::checks()[place_of_word(claim, "check", name, check_names())];
+    const auto all = consistency::checks();
+    const Check& check = all[place_of_word(claim, "check", name, all, &Check::name)];
     if (consistency::can_be_compared(*row.form) && check.applies(scene, *row.form)) return check;
     scene::toml::fail(claim.where, "check \"" + name + "\" cannot be asked of " + claim.form + " on " + scene.id +
                                        ": light needs a [light], segment, short and light need a form that takes "
@@ -140,15 +129,14 @@ const Check& check_of(const Claim& claim, const std::string& name, const scene::
 
 /// The ray of the first question, with its solids: it pastes into `lostbits explain`.
 evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& shown) {
-    evaluate::WorstRay w;
-    w.x = shown.x;
-    w.y = shown.y;
-    w.object = 0;
-    w.ray = shown.rays.first.rays[0];
-    w.solid = shown.rays.first.solids.front();
-    w.size = 0;
-    w.given = std::make_shared<const scene::rays::RayGroup>(shown.rays.first);
-    return w;
+    const scene::rays::RayGroup& first = shown.rays.first;
+    return {.x = shown.x,
+            .y = shown.y,
+            .object = 0,
+            .size = 0,
+            .ray = first.rays[0],
+            .solid = first.solids.front(),
+            .given = std::make_shared<const scene::rays::RayGroup>(first)};
 }
 
 }  // namespace
@@ -156,7 +144,7 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
 void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
-    consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
+    consistency::ConsistencyRequest request{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {
         const evaluate::TestedForm row = row_for(claim, scene);
@@ -169,10 +157,12 @@ void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, on, result] = claims[k];
         const CheckSummary& summary = rows[at[k].first][at[k].second];
-        result = judge(claim, consistency::consistency_value(summary, claim.metric, claim.where.text()), nullptr);
+        const auto& column = column_named(consistency::consistency_columns(), claim.metric, claim.where.text());
+        result = judge(claim, column.value(summary), nullptr);
         if (summary.shown && !summary.shown->rays.first.solids.empty())
             result.witness = witness_of_disagreement(*summary.shown);
-        require_proof(result, summary.of(Accord::unresolved), "pixels have no proved truth");
+        require_proof(result, summary.of(Accord::unresolved), "pixel has no proved truth",
+                      "pixels have no proved truth");
     }
 }
 

@@ -86,7 +86,7 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
     const std::string called = "scene \"" + first.subject_name() + "\"";
     if (!scene.meets(scene::file::rendered_shape)) scene::toml::fail(first.where, called + " has no spheres to render");
     const scene::file::Appearance& look = scene.appearance;
-    picture::RenderRequest request{.scene = &scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
+    picture::RenderRequest request{.scene = scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
     std::set<scene::file::Stage> stages;
     for (const auto& [claim, on, result] : claims) {
         const scene::file::Stage stage = on.stage.value_or(look.furthest());
@@ -102,8 +102,10 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
         const auto stage =
             std::ranges::find(request.stages, on.stage.value_or(look.furthest())) - request.stages.begin();
         const picture::RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
-        result = judge(claim, picture::render_value(s, claim.metric, claim.where.text()), nullptr);
-        require_proof(result, s.unresolved(), "pixels are not proved");
+        const auto& column =
+            column_named(picture::render_columns(), claim.metric, claim.where.text(), " of a rendered scene");
+        result = judge(claim, column.value(s), nullptr);
+        require_proof(result, s.unresolved(), "pixel is not proved", "pixels are not proved");
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "intersect/process/parallel.hpp"
@@ -12,14 +13,16 @@
 
 namespace lostbits::measure::claim {
 
-/// The place of a word in a list of names; the claim says what is wrong with it.
-template <class Names>
-std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, const std::string& word,
-                          const Names& names) {
+/// The place of a word among the names of a list; the claim says what is wrong with it.
+template <class List, class Name = std::identity>
+std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, const std::string& word, const List& list,
+                          Name name = {}) {
+    std::vector<std::string> names;
+    for (const auto& each : list) names.emplace_back(std::invoke(name, each));
     const auto found = std::ranges::find(names, word);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-    scene::toml::fail(claim.where, "unknown " + std::string(what) + " \"" + word + "\"; " +
-                                       scene::toml::did_you_mean(word, {names.begin(), names.end()}));
+    scene::toml::fail(claim.where,
+                      "unknown " + std::string(what) + " \"" + word + "\"; " + scene::toml::did_you_mean(word, names));
 }
 
 /// A claim, what it is measured on, and what becomes of it.
@@ -49,6 +52,12 @@ void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimReq
 void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
+/// Of boxes one after another: the share of seeded rays (`scene::box::BoxFamily`'s number of eight adjoining boxes,
+/// aimed at their shared edges, from `distance` sizes) on which the nearest t over all boxes differs, or the decision
+/// does, when every box is given the closest t so far as the end of the ray.
+double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+                            truth::TruthLimit limit);
+
 /// A claim holds of every draw or it does not hold.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
 
@@ -77,8 +86,8 @@ scene::file::Scene one_scene(const scene::claim::Claim& claim, const ClaimReques
 /// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
 ClaimResult judge(const scene::claim::Claim& claim, double measured, const evaluate::FormSummary* summary);
 
-/// Broken where so many of what was measured are not proved: "3 pixels have no proved truth".
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what);
+/// Broken where so many of what was measured are not proved: "1 pixel has no proved truth", "3 pixels have …".
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several);
 
 /// The format of a claim. InputError for an unknown name.
 Format claim_format(const scene::claim::Claim& claim);

@@ -11,6 +11,7 @@
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -26,7 +27,7 @@ namespace {
 
 void measure_cases(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path, truth::TruthLimit limit) {
     const scene::sweep::CaseFile file(path);
-    sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = limit};
+    sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& asked : claims) request.rows.push_back(row_for(asked.claim, file));
     const SettingOf setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
@@ -59,8 +60,9 @@ std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sw
     const auto* const part = on.part_if<SweepSubject::At>();
     std::vector<double> at = part ? part->values : std::vector<double>{};
     if (at.size() != sweep.axes.size()) {
-        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " + std::to_string(sweep.axes.size()) +
-                                           " axes; write as many values in `at`");
+        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " +
+                                           scene::toml::counted(sweep.axes.size(), "axis", "axes") +
+                                           "; write as many values in `at`");
     }
     for (std::size_t a = 0; a < at.size(); ++a) {
         const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
@@ -84,7 +86,7 @@ void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const s
         const auto& [claim, subject, result] = on.claims[k];
         const evaluate::FormSummary& summary = summaries[on.rows[k]];
         result = judge(claim, on.columns.value(claim, summary), &summary);
-        if (!request.sweep->is_drawn()) continue;
+        if (!request.sweep.is_drawn()) continue;
         result.samples = summary.views;
         if (summary.rays == summary.views) result.bounds = bounds_of(claim, on.columns, summary);
     }
@@ -109,7 +111,7 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
                     "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
         result = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (request.sweep->is_drawn()) result.samples = found->views;
+        if (request.sweep.is_drawn()) result.samples = found->views;
         if (!found->found) result.trouble = "it does not happen within the sweep";
     }
 }
@@ -119,7 +121,7 @@ using AxesPlace = std::optional<std::vector<double>>;
 
 void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, const scene::sweep::SweepFile& sweep,
                   truth::TruthLimit limit) {
-    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = limit};
+    sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, on, result] : claims) {
         TestedForm row = row_for(claim, sweep);

@@ -1,7 +1,5 @@
 // Claims about tables: of arithmetic, how often a sum or a difference does not notice one of its operands; and of what
 // the nearest hit so far does as the end of a ray.
-#include "measure/claim/claim_tables.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -106,10 +104,6 @@ constexpr ArithmeticRow measured_rows[] = {
     {"r2_minus_l2", tried, radius_over_l},
 };
 
-}  // namespace
-
-namespace {
-
 /// The nearest t over the solids, infinite for a miss.
 std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
@@ -149,9 +143,7 @@ double differs_with_closest(const evaluate::TestedForm& row, double distance, st
 namespace {
 
 ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& on, std::uint64_t seed) {
-    std::vector<std::string> names;
-    for (const ArithmeticRow& row : measured_rows) names.emplace_back(row.name);
-    const ArithmeticRow& row = measured_rows[place_of_word(claim, "row", on.row, names)];
+    const ArithmeticRow& row = measured_rows[place_of_word(claim, "row", on.row, measured_rows, &ArithmeticRow::name)];
     auto result = judge(claim, row.fraction(claim_format(claim).parameters, on.at, seed), nullptr);
     result.samples = static_cast<std::uint64_t>(row.samples);
     return result;

@@ -25,11 +25,11 @@ void add_check(AccordOfPixels& found, int y0, int width, CheckSummary& summary) 
 }
 
 ConsistencyBand measure_band(const ConsistencyRequest& request, const evaluate::TestedForm& row, const Band& band) {
-    const RowOnBand on(*request.scene, row, band);
-    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = request.scene->width, .checks = {}};
+    const RowOnBand on(request.scene, row, band);
+    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = request.scene.width, .checks = {}};
     for (const Check* check : request.checks) {
         AccordOfPixels& pixels = out.checks.emplace_back(on.pixels());
-        if (check->applies(*request.scene, *row.form)) check->measure(on, pixels);
+        if (check->applies(request.scene, *row.form)) check->measure(on, pixels);
     }
     return out;
 }
@@ -96,8 +96,9 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
 
 bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
 
-std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {
-    const scene::file::Scene& scene = *request.scene;
+std::vector<RowChecks> run_consistency(const ConsistencyRequest& request,
+                                       const std::function<void(std::size_t, const ConsistencyBand&)>& show) {
+    const scene::file::Scene& scene = request.scene;
     offset::require_few_solids(scene);
     std::vector<RowChecks> all(request.rows.size());
     for (RowChecks& row : all) row.resize(request.checks.size());
@@ -105,7 +106,7 @@ std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, Consis
         const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
         intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             ConsistencyBand measured = measure_band(request, request.rows[r], band);
-            if (sink) sink->band(r, measured);
+            if (show) show(r, measured);
             for (std::size_t c = 0; c < measured.checks.size(); ++c)
                 add_check(measured.checks[c], y0, scene.width, all[r][c]);
             request.progress(band.pixels());
@@ -121,9 +122,5 @@ std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, Consis
 }
 
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }
-
-double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where) {
-    return column_named(consistency_columns(), column, where).value(summary);
-}
 
 }  // namespace lostbits::measure::consistency

@@ -41,15 +41,8 @@ struct ConsistencyBand {
     std::vector<AccordOfPixels> checks;
 };
 
-/// Receives the bands of each row from top to bottom; different rows at the same time.
-class ConsistencySink {
-public:
-    virtual ~ConsistencySink() = default;
-    virtual void band(std::size_t row, const ConsistencyBand& band) = 0;
-};
-
 struct ConsistencyRequest {
-    const scene::file::Scene* scene = nullptr;
+    const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> rows;  ///< of forms of spheres or boxes
     std::vector<const Check*> checks;
     truth::TruthLimit limit{};
@@ -63,13 +56,14 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
 /// Whether a form can be asked: of a sphere or a box.
 bool can_be_compared(const intersect::table::Intersector& form);
 
-/// One element a row. The results do not depend on the number of threads or the width of registers.
-std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink = nullptr);
+/// One element a row. `show` gets the bands of each row from top to bottom; different rows at the same time. The
+/// results do not depend on the number of threads or the width of registers.
+std::vector<RowChecks> run_consistency(
+    const ConsistencyRequest& request,
+    const std::function<void(std::size_t row, const ConsistencyBand& band)>& show = {});
 
 /// A column of the summary after check, form and format; the CSV and the claims read the same rows.
 using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;
 std::span<const ConsistencyColumn> consistency_columns();
-/// Of a column by its name; see `metric::column_named`.
-double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where);
 
 }  // namespace lostbits::measure::consistency

@@ -137,10 +137,9 @@ SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const
         const T size = length(way);
         T share(1);
         if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
-        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
         return SegmentInTwoWays{.by_difference = {p, as_doubles(way)},
                                 .difference_end = as_double(share),
-                                .by_unit = {p, as_doubles(unit)},
+                                .by_unit = {p, as_doubles(unit_of<T>(way))},
                                 .unit_end = as_double(share * size)};
     });
 }

@@ -144,7 +144,7 @@ double WidthCounts::quantile(double q) const {
 
 std::uint64_t needed_units(const NeededRequest& request) {
     constexpr std::uint64_t widths = most_width - least_width + 1;
-    return static_cast<std::uint64_t>(request.scene->width) * static_cast<std::uint64_t>(request.scene->height) *
+    return static_cast<std::uint64_t>(request.scene.width) * static_cast<std::uint64_t>(request.scene.height) *
            request.forms.size() * widths;
 }
 
@@ -179,8 +179,9 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
     return results;
 }
 
-std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks) {
-    const scene::file::Scene& scene = *request.scene;
+std::vector<NeededSummary> run_needed(const NeededRequest& request,
+                                      const std::function<void(std::size_t, const NeededBand&)>& show) {
+    const scene::file::Scene& scene = request.scene;
     std::vector<NeededSummary> summaries(request.forms.size());
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
@@ -188,7 +189,7 @@ std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::v
         intersect::process::in_parallel(std::size_t{0}, results.size(), [&](std::size_t f) {
             for (std::size_t i = 0; i < results[f].needed.size(); ++i)
                 summaries[f].add(results[f].truth(i), results[f].needed[i]);
-            if (f < sinks.size() && sinks[f]) sinks[f]->band(results[f]);
+            if (show) show(f, results[f]);
         });
     }
     return summaries;

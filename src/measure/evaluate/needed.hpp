@@ -68,15 +68,8 @@ struct NeededBand {
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }
 };
 
-/// Where a form's results go. Called band by band from top to bottom, never concurrently.
-class NeededSink {
-public:
-    virtual ~NeededSink() = default;
-    virtual void band(const NeededBand& result) = 0;
-};
-
 struct NeededRequest {
-    const scene::file::Scene* scene = nullptr;
+    const scene::file::Scene& scene;
     std::vector<const intersect::table::Intersector*> forms;  ///< each with `rounded` kernels
     int bits = 12;                                            ///< B, 1 to 52
     truth::TruthLimit limit{};
@@ -97,8 +90,9 @@ std::uint64_t needed_units(const NeededRequest& request);
 /// at P bits.
 std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band);
 
-/// The whole picture, band by band; sinks[i] (may be null) receives forms[i]. Neither the number of threads nor the set
-/// of forms changes a result.
-std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks = {});
+/// The whole picture; `show` gets the bands of each form from top to bottom, different forms at the same time. Neither
+/// the number of threads nor the set of forms changes a result.
+std::vector<NeededSummary> run_needed(const NeededRequest& request,
+                                      const std::function<void(std::size_t form, const NeededBand& band)>& show = {});
 
 }  // namespace lostbits::measure::evaluate

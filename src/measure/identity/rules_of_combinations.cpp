@@ -7,8 +7,6 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-Product power(NodeId atom, int exponent) { return {{atom, exponent}}; }
-
 /// x a ± y b: x² (a·a), ±2 x y (a·b) and y² (b·b) are in the sum, all with the same rest.
 struct Combination {
     NodeId x, y;

@@ -15,8 +15,6 @@ struct Pair {
     Sum others;  ///< of the sum without the two
 };
 
-Product dot_power(NodeId dot, int power) { return {{dot, power}}; }
-
 class PairFinder {
 public:
     PairFinder(const RewriteFinder& places, const Sum& sum) : terms_(places.terms), sum_(sum) {
@@ -28,7 +26,7 @@ public:
             const std::vector<NodeId> dots = dots_of(product);
             for (std::size_t k = 0; k < dots.size(); ++k)
                 for (std::size_t l = k + 1; l < dots.size(); ++l) {
-                    const Product rest = times(product, times(dot_power(dots[k], -1), dot_power(dots[l], -1)));
+                    const Product rest = times(product, times(power(dots[k], -1), power(dots[l], -1)));
                     const auto [p, q] = terms_.factors_of(dots[k]).value();
                     const auto [r, s] = terms_.factors_of(dots[l]).value();
                     // This product is the one that is taken away: −(a·d)(b·c).
@@ -56,7 +54,7 @@ private:
     void look(Pair pair, const Product& product) {
         const auto first = terms_.known_dot(pair.a, pair.c), second = terms_.known_dot(pair.b, pair.d);
         if (!first || !second) return;
-        const Product partner = reduced(times(pair.rest, times(dot_power(*first, 1), dot_power(*second, 1))));
+        const Product partner = reduced(times(pair.rest, times(power(*first, 1), power(*second, 1))));
         const auto other = sum_.find(partner);
         if (partner == product || other == sum_.end() || !(other->second == pair.factor)) return;
         pair.others = sum_;
@@ -121,7 +119,7 @@ void find_approach(RewriteFinder& places, bool normalised) {
                 if (normalised && places.unit == n) return;
                 const Triple at = foot(places, a, n, normalised);
                 const NodeId with = a == b ? terms.dot(at, at, "l^2") : terms.dot(at, b);
-                all.emplace_back(i, with_pair(places, i, p, times(dot_power(terms.dot(n, n), 1), dot_power(with, 1))));
+                all.emplace_back(i, with_pair(places, i, p, times(power(terms.dot(n, n), 1), power(with, 1))));
             };
             if (p.a == p.c) along(p.a, p.b, p.d);
             if (p.b == p.d) along(p.b, p.a, p.c);
@@ -194,18 +192,18 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
     const Ratio factor = sum.at(crossed) * Ratio(1, 2);
     Product rest = crossed, squares;
     for (std::size_t k = 0; k < 3; ++k) {
-        rest = times(rest, dot_power(*dot(k, k + 1), -1));
-        squares = times(squares, dot_power(*dot(k, k), 1));
+        rest = times(rest, power(*dot(k, k + 1), -1));
+        squares = times(squares, power(*dot(k, k), 1));
     }
     Sum gram{{crossed, sum.at(crossed)}, {times(rest, squares), factor}};
     for (std::size_t k = 0; k < 3; ++k)
-        gram[times(rest, times(dot_power(*dot(k, k), 1), dot_power(*dot(k + 1, k + 2), 2)))] = -factor;
+        gram[times(rest, times(power(*dot(k, k), 1), power(*dot(k + 1, k + 2), 2)))] = -factor;
     for (const auto& [product, x] : gram)
         if (const auto found = sum.find(product); found == sum.end() || !(found->second == x)) return std::nullopt;
     Sum now = sum;
     for (const auto& [product, x] : gram) now.erase(product);
     const NodeId volume = terms.dot(v[0], terms.cross(v[1], v[2]), "volume");
-    return plus(now, Sum{{times(rest, dot_power(volume, 2)), factor}});
+    return plus(now, Sum{{times(rest, power(volume, 2)), factor}});
 }
 
 }  // namespace
@@ -243,7 +241,7 @@ void find_cross_products(RewriteFinder& places) {
     places.on_sums([&](NodeId i, const Sum& sum) {
         for (const Pair& p : PairFinder(places, sum).all()) {
             const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
-            all.emplace_back(i, with_pair(places, i, p, dot_power(terms.dot(first, second), 1)));
+            all.emplace_back(i, with_pair(places, i, p, power(terms.dot(first, second), 1)));
         }
     });
     offer_all(places, all);

@@ -26,6 +26,7 @@ struct Ratio {
 
 /// Powers of numbers that are taken as they are, negative ones below the line.
 using Product = std::map<NodeId, int>;
+inline Product power(NodeId atom, int exponent) { return {{atom, exponent}}; }
 Product times(Product a, const Product& b);
 Product inverse(Product a);
 

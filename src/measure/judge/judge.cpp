@@ -14,6 +14,7 @@
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -50,17 +51,18 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                               const char* has) {
-    throw InputError(dump.name() + ": " + has + " " + std::to_string(result.rays) + " rays where a picture of " +
-                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
-                     std::to_string(pixels_of(request)) + "; its --size is columns x rows");
+    throw InputError(dump.name() + ": " + has + " " + scene::toml::counted(result.rays, "ray") +
+                     " where a picture of " + std::to_string(request.picture->first) + "x" +
+                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
+                     "; its --size is columns x rows");
 }
 
 constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
 
 class Run {
 public:
-    Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
-        : dump_(dump), request_(request), sinks_(sinks), file_(request.file_place()) {
+    Run(Dump& dump, const JudgeRequest& request, const ShowJudged& show)
+        : dump_(dump), request_(request), show_(show), file_(request.file_place()) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
@@ -195,8 +197,7 @@ private:
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const TestedForm& row = request_.rows[r];
             evaluate::Show show;
-            if (JudgeSink* const sink = r < sinks_.size() ? sinks_[r] : nullptr)
-                show = [&chunk, sink](const evaluate::BandResult& result) { sink->piece(chunk, result); };
+            if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::BandPart> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             evaluate::measure_row({.row = row,
@@ -240,7 +241,7 @@ private:
 
     Dump& dump_;
     const JudgeRequest& request_;
-    const std::vector<JudgeSink*>& sinks_;
+    const ShowJudged& show_;
     std::optional<std::size_t> file_;  ///< the place of its row
     std::uint64_t read_ = 0;           ///< pieces
     bool failed_ = false;
@@ -295,8 +296,8 @@ void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResul
     if (request.picture && result.rays != pixels_of(request)) refuse_size(dump, request, result, "has");
 }
 
-JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks) {
-    return Run(dump, request, sinks).run();
+JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged& show) {
+    return Run(dump, request, show).run();
 }
 
 FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)

@@ -51,13 +51,10 @@ struct JudgeRequest {
     [[nodiscard]] std::optional<std::size_t> file_place() const;
 };
 
-/// Where a row's results go, with what the file has of the same rays. As a `EvaluationSink`: in order, never
-/// concurrently for one row.
-class JudgeSink {
-public:
-    virtual ~JudgeSink() = default;
-    virtual void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) = 0;
-};
+/// Is shown what is found of some rays by a row, with what the file has of them: each row's in order, different rows at
+/// the same time.
+using ShowJudged =
+    std::function<void(std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one a row
@@ -86,10 +83,9 @@ std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request)
 /// InputError where all that is known of the file is not of the rays of a picture, or of none.
 void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
 
-/// Reads the dump to its end, or to that of its pieces; sinks[r] (may be null) receives rows[r]. Memory does not grow
-/// with the file, and nothing depends on the number of threads: pieces are cut by their rays alone and taken up in
-/// order. InputError, with the place, for what the dump refuses, where the rays are not those of the picture, and for
-/// too many groups.
-JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks);
+/// Reads the dump to its end, or to that of its pieces. Memory does not grow with the file, and nothing depends on the
+/// number of threads: pieces are cut by their rays alone and taken up in order. InputError, with the place, for what
+/// the dump refuses, where the rays are not those of the picture, and for too many groups.
+JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const ShowJudged& show = {});
 
 }  // namespace lostbits::measure::judge

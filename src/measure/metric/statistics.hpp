@@ -18,6 +18,7 @@
 #include "measure/columns/raw_columns.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/error_free.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -201,15 +202,11 @@ struct Agreement {
         return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
     }
     /// `of 55 agreed hits`: stands beside a quantile.
-    [[nodiscard]] std::string of_agreed_hits() const { return "of " + counted(agreed, "agreed hit"); }
+    [[nodiscard]] std::string of_agreed_hits() const { return "of " + scene::toml::counted(agreed, "agreed hit"); }
     /// `55 of 16384 hits agree`: stands in place of a withheld one.
     [[nodiscard]] std::string too_few() const {
-        return std::to_string(agreed) + " of " + counted(true_hits, "hit") + (agreed == 1 ? " agrees" : " agree");
-    }
-
-private:
-    static std::string counted(std::uint64_t n, const char* what) {
-        return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+        return std::to_string(agreed) + " of " + scene::toml::counted(true_hits, "hit") +
+               (agreed == 1 ? " agrees" : " agree");
     }
 };
 

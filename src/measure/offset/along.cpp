@@ -10,21 +10,6 @@ namespace lostbits::measure::offset {
 using scene::file::Camera;
 using scene::file::Scene;
 
-namespace {
-
-constexpr int most_columns = 48;
-
-}  // namespace
-
-std::string_view meaning_of(Along a) {
-    switch (a) {
-        case Along::distance: return "times as far away, the picture the same";
-        case Along::radius: return "times every length of the scene";
-        case Along::world: return "everything moved by so many times (1, 0.6875, -0.4375)";
-    }
-    return "";
-}
-
 std::vector<double> steps_along(Along a) {
     constexpr std::array<std::array<int, 3>, 3> ranges{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};
     const auto& [from, to, by] = ranges[static_cast<std::size_t>(a)];
@@ -39,6 +24,7 @@ Scene moved_along(const Scene& scene, Along a, double k) {
                          (scene.flake ? " has a [sphereflake], whose numbers are fixed"
                                       : " has a camera with its pixels in the plane z = 0, which cannot move") +
                          "; try another scene");
+    constexpr int most_columns = 48;
     Scene s = scene;
     const Real scale(k);
     if (s.width > most_columns) {

@@ -14,8 +14,11 @@ namespace lostbits::measure::offset {
 enum class Along { distance, radius, world };
 inline constexpr std::array<std::string_view, 3> along_names{"distance", "radius", "world"};
 inline constexpr std::string_view name_of(Along a) { return along_names[static_cast<std::size_t>(a)]; }
+inline constexpr std::array<std::string_view, 3> along_meanings{
+    "times as far away, the picture the same", "times every length of the scene",
+    "everything moved by so many times (1, 0.6875, -0.4375)"};
 /// What k is, for axes and tables.
-std::string_view meaning_of(Along a);
+inline constexpr std::string_view meaning_of(Along a) { return along_meanings[static_cast<std::size_t>(a)]; }
 
 /// The values of k, powers of two: distance 1 to 2^13, radius 2^-12 to 2^24, world 2^-2 to 2^22.
 std::vector<double> steps_along(Along a);

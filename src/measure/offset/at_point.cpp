@@ -152,7 +152,7 @@ private:
         if (work_.point_ == HitPoint::projected) found.p = maps.to_world.point(there.p);
         const auto& rows = maps.to_object.rows;
         const T sign = as_double(in.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
-        found.n = normalised<T>(sign * times(rows, there.n));
+        found.n = unit_of<T>(sign * times(rows, there.n));
         found.object = there;
     }
     [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {

@@ -55,13 +55,6 @@ Vec<T> moved(const Vec<T>& p, const T& k, const Vec<T>& v) {
     return Vec<T>(p.x + k * v.x, p.y + k * v.y, p.z + k * v.z);
 }
 
-/// v/|v|.
-template <Number T>
-Vec<T> normalised(const Vec<T>& v) {
-    const T size = length(v);
-    return Vec<T>(v.x / size, v.y / size, v.z / size);
-}
-
 /// The largest of |p.x|, |p.y|, |p.z|.
 template <Number T>
 T largest_of(const Vec<T>& p) {
@@ -114,9 +107,9 @@ std::vector<Departure<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Ve
     std::vector<Departure<T>> ways;
     if (light) {
         const Vec<T> way = *light - p;
-        if (dot(n, way) > T(0)) add_way<T>(normalised<T>(way), n, length(way), ways);
+        if (dot(n, way) > T(0)) add_way<T>(unit_of<T>(way), n, length(way), ways);
     }
-    const Vec<T> d = normalised<T>(ray.direction);
+    const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
     add_way<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, ways);
     const bool enters = facing < T(0);

@@ -100,9 +100,4 @@ constexpr OffsetColumn table[] = {
 
 std::span<const OffsetColumn> offset_columns() { return table; }
 
-double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
-                    const std::string& where) {
-    return column_named(offset_columns(), column, where).value(summary, side, strategy);
-}
-
 }  // namespace lostbits::measure::offset

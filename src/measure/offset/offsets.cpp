@@ -34,7 +34,7 @@ public:
         const std::size_t n = band.pixels(), m = request.strategies.size();
         out_.y0 = band.y0();
         out_.rows = band.rows();
-        out_.width = request.scene->width;
+        out_.width = request.scene.width;
         out_.strategies = m;
         out_.is_point.assign(n, 0);
         out_.object.assign(n, -1);
@@ -72,8 +72,8 @@ public:
 
 private:
     [[nodiscard]] std::optional<Vec<double>> light() const {
-        if (!request_.scene->appearance.light) return std::nullopt;
-        return picture::input_appearance(*request_.scene, row_.row.format.parameters).light;
+        if (!request_.scene.appearance.light) return std::nullopt;
+        return picture::input_appearance(request_.scene, row_.row.format.parameters).light;
     }
     [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
@@ -165,8 +165,9 @@ bool can_be_asked(const intersect::table::Intersector& form) {
     return is_solid(form.shape) && form.info->roots != intersect::Roots::none;
 }
 
-std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink* sink) {
-    const Scene& scene = *request.scene;
+std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
+                                       const std::function<void(std::size_t, const OffsetBand&)>& show) {
+    const Scene& scene = request.scene;
     require_few_solids(scene);
     std::vector<OffsetSummary> summaries(request.rows.size());
     for (OffsetSummary& s : summaries) {
@@ -178,7 +179,7 @@ std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink*
             RowBand row(request, request.rows[r], band);
             const OffsetBand& measured = row.measure();
             row.add_to(summaries[r]);
-            if (sink) sink->band(r, measured);
+            if (show) show(r, measured);
             request.progress(band.pixels());
         }
     }

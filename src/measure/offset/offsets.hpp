@@ -86,15 +86,8 @@ struct OffsetBand {
     }
 };
 
-/// Receives the bands of each row from top to bottom; one row at a time.
-class OffsetSink {
-public:
-    virtual ~OffsetSink() = default;
-    virtual void band(std::size_t row, const OffsetBand& band) = 0;
-};
-
 struct OffsetRequest {
-    const scene::file::Scene* scene = nullptr;
+    const scene::file::Scene& scene;
     std::vector<OffsetRow> rows;  ///< of forms of spheres or boxes that tell t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
@@ -113,15 +106,14 @@ void require_few_solids(const scene::file::Scene& scene);
 /// Whether a form can be asked: of a sphere or a box, and it tells t.
 bool can_be_asked(const intersect::table::Intersector& form);
 
-/// One summary a row. The results do not depend on the number of threads.
-std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink* sink = nullptr);
+/// One summary a row. `show` gets the bands of each row from top to bottom, one at a time. The results do not depend on
+/// the number of threads.
+std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
+                                       const std::function<void(std::size_t row, const OffsetBand& band)>& show = {});
 
 /// A column of the summary after point, side, strategy, form and format; the CSV and the claims read the same rows.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
-/// Of a column by its name; see `metric::column_named`.
-double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
-                    const std::string& where);
 
 /// A strategy with which no respawned ray goes wrong.
 struct SafeStrategy {

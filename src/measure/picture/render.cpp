@@ -87,7 +87,7 @@ public:
           band_(band),
           in_(in),
           truth_(truth),
-          appearance_(request.scene->appearance),
+          appearance_(request.scene.appearance),
           n_(band.pixels()),
           rays_(in.geometry.rays_for(*row.form->info)),
           answers_(answer::evaluate(*row.form, in.geometry)),
@@ -264,8 +264,8 @@ std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
         inputs.emplace(
-            name, Inputs{band.inputs(format, need), input_appearance(*request.scene, format.parameters),
-                         input_pixel_points(*request.scene, band.y0(), band.y0() + band.rows(), format.parameters)});
+            name, Inputs{band.inputs(format, need), input_appearance(request.scene, format.parameters),
+                         input_pixel_points(request.scene, band.y0(), band.y0() + band.rows(), format.parameters)});
     }
     return inputs;
 }
@@ -277,8 +277,9 @@ std::uint8_t byte_of(double channel) {
     return static_cast<std::uint8_t>(std::min(255.0, std::floor(std::fma(255.0, std::min(channel, 2.0), 0.5))));
 }
 
-std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink) {
-    const scene::file::Scene& scene = *request.scene;
+std::vector<RenderSummary> run_render(const RenderRequest& request,
+                                      const std::function<void(std::size_t, const RenderBand&)>& show) {
+    const scene::file::Scene& scene = request.scene;
     const std::size_t stages = request.stages.size();
     std::vector<RenderSummary> summaries(request.rows.size() * stages);
     for (std::size_t k = 0; k < summaries.size(); ++k) {
@@ -290,13 +291,12 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         const Band band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)),
                         {.stop = request.limit.stop});
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
-        if (sink) sink->reference(band.y0(), band.rows(), truth);
         const auto inputs = inputs_of(request, band);
         intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             RowRenderer renderer(request, request.rows[r], band, inputs.at(request.rows[r].format.name), truth);
             const RenderBand& result = renderer.render();
             for (std::size_t s = 0; s < stages; ++s) add_to_summary(result, s, look, summaries[r * stages + s]);
-            if (sink) sink->row(r, result);
+            if (show) show(r, result);
             request.progress(band.pixels());
         });
     }

@@ -100,27 +100,18 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
 using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
-/// Of a column by its name; see `metric::column_named`.
-double render_value(const RenderSummary& summary, const std::string& column, const std::string& where);
-
-/// Receives the bands from top to bottom; `row` may come for different rows at the same time.
-class RenderSink {
-public:
-    virtual ~RenderSink() = default;
-    virtual void reference(int y0, int rows, std::span<const TruePixel> truth) = 0;
-    virtual void row(std::size_t row, const RenderBand& band) = 0;
-};
 
 struct RenderRequest {
-    const scene::file::Scene* scene = nullptr;  ///< of spheres
-    std::vector<scene::file::Stage> stages;     ///< in rising order, none beyond what the scene asks for
+    const scene::file::Scene& scene;         ///< of spheres
+    std::vector<scene::file::Stage> stages;  ///< in rising order, none beyond what the scene asks for
     std::vector<evaluate::TestedForm> rows;
     PictureLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `EvaluationRequest::progress`
 };
 
-/// A summary per row and stage: those of a row's stages side by side. The results do not depend on the number of
-/// threads.
-std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* sink = nullptr);
+/// A summary per row and stage: those of a row's stages side by side. `show` gets the bands of each row from top to
+/// bottom; different rows at the same time. The results do not depend on the number of threads.
+std::vector<RenderSummary> run_render(const RenderRequest& request,
+                                      const std::function<void(std::size_t row, const RenderBand& band)>& show = {});
 
 }  // namespace lostbits::measure::picture

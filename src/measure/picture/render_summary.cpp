@@ -151,10 +151,6 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
 
 std::span<const RenderColumn> render_columns() { return table; }
 
-double render_value(const RenderSummary& summary, const std::string& column, const std::string& where) {
-    return column_named(render_columns(), column, where, " of a rendered scene").value(summary);
-}
-
 std::uint64_t RenderSummary::seen_wrong() const {
     return pixels - count(Seen::same_sphere) - count(Seen::background) - count(Seen::unresolved);
 }

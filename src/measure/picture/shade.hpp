@@ -44,13 +44,6 @@ Vec<T> normal_at(const Vec<T>& p, const Sphere<T>& sphere) {
                   (p.z - sphere.centre.z) / sphere.radius);
 }
 
-/// v/|v|; 0/0 for v = 0.
-template <Number T>
-Vec<T> unit_of(const Vec<T>& v) {
-    const T size = length(v);
-    return Vec<T>(v.x / size, v.y / size, v.z / size);
-}
-
 /// xⁿ for n ≥ 1 by repeated squaring, from the highest bit of n down: at most 2·log2(n) products.
 template <Number T>
 T whole_power(const T& x, int n) {

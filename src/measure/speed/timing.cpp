@@ -9,7 +9,6 @@
 #include <barrier>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <numeric>
 #include <random>
@@ -48,12 +47,36 @@ std::size_t from_system([[maybe_unused]] int name, std::size_t otherwise) {
     return size > 0 ? static_cast<std::size_t>(size) : otherwise;
 }
 
-void pin([[maybe_unused]] int processor) {
+/// What the calling thread may use; nothing where the system does not say.
+std::vector<int> processors_of_thread() {
+    std::vector<int> all;
 #if defined(__linux__)
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(static_cast<std::size_t>(processor), &one);
-    sched_setaffinity(0, sizeof one, &one);  // refused: it is timed where it runs
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0) {
+        for (int i = 0; i < CPU_SETSIZE; ++i)
+            if (CPU_ISSET(static_cast<std::size_t>(i), &set)) all.push_back(i);
+    }
+#endif
+    return all;
+}
+
+/// Keeps the calling thread on these. Refused, it is timed where it runs.
+bool keep_on([[maybe_unused]] const std::vector<int>& processors) {
+#if defined(__linux__)
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (const int processor : processors) CPU_SET(static_cast<std::size_t>(processor), &set);
+    return sched_setaffinity(0, sizeof set, &set) == 0;
+#else
+    return false;
+#endif
+}
+
+int own_processor() {
+#if defined(__linux__)
+    return sched_getcpu();
+#else
+    return -1;
 #endif
 }
 
@@ -83,7 +106,7 @@ double rate_together(const std::vector<std::function<void()>>& passes, const std
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < passes.size(); ++i) {
         threads.emplace_back([&, i] {
-            pin(processors[i]);
+            keep_on({processors[i]});
             passes[i]();
             ready.arrive_and_wait();
             rates[i] = rate_of(passes[i], seconds);
@@ -95,30 +118,14 @@ double rate_together(const std::vector<std::function<void()>>& passes, const std
 
 }  // namespace
 
-#if defined(__linux__)
-PinnedThread::PinnedThread() {
-    cpu_set_t allowed;
-    const int here = sched_getcpu();
-    if (here < 0 || sched_getaffinity(0, sizeof allowed, &allowed) != 0) return;
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(static_cast<std::size_t>(here), &one);
-    if (sched_setaffinity(0, sizeof one, &one) != 0) return;
-    processor_ = here;
-    before_.resize(sizeof allowed / sizeof(unsigned long));
-    std::memcpy(before_.data(), &allowed, sizeof allowed);
+PinnedThread::PinnedThread() : before_(processors_of_thread()) {
+    const int here = own_processor();
+    if (here >= 0 && !before_.empty() && keep_on({here})) processor_ = here;
 }
 
 PinnedThread::~PinnedThread() {
-    if (processor_ < 0) return;
-    cpu_set_t allowed;
-    std::memcpy(&allowed, before_.data(), sizeof allowed);
-    sched_setaffinity(0, sizeof allowed, &allowed);
+    if (processor_ >= 0) keep_on(before_);
 }
-#else
-PinnedThread::PinnedThread() = default;
-PinnedThread::~PinnedThread() = default;
-#endif
 
 CacheSizes cache_sizes() {
     CacheSizes sizes{std::size_t{32} << 10, std::size_t{1} << 20, std::size_t{8} << 20};
@@ -185,16 +192,8 @@ std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const Timi
 }
 
 std::vector<int> allowed_processors() {
-    std::vector<int> all;
-#if defined(__linux__)
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) == 0) {
-        for (int i = 0; i < CPU_SETSIZE; ++i)
-            if (CPU_ISSET(static_cast<std::size_t>(i), &set)) all.push_back(i);
-    }
-#endif
-    if (all.empty()) all.push_back(0);
-    return all;
+    auto all = processors_of_thread();
+    return all.empty() ? std::vector{0} : all;
 }
 
 std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {

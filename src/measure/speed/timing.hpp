@@ -26,7 +26,7 @@ public:
 
 private:
     int processor_ = -1;
-    std::vector<unsigned long> before_;  ///< the set of processors that was allowed, as the system writes it
+    std::vector<int> before_;  ///< the processors that were allowed
 };
 
 /// Bytes of the first- and second-level data cache of a core and of the last level, as the system tells; 32 KiB, 1 MiB

@@ -104,17 +104,17 @@ void ExhaustiveState::append(const ExhaustiveState& after) {
 }
 
 void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
-    const std::size_t each = request.sweep->rays.size() * request.rows.size();
+    const std::size_t each = request.sweep.rays.size() * request.rows.size();
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
-    if (tallies.size() != binades_of(*request.sweep).size() * each || counted != tried * each)
+    if (tallies.size() != binades_of(request.sweep).size() * each || counted != tried * each)
         throw std::out_of_range("tallies of a sweep over every float are those of another");
 }
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
-    const auto binades = binades_of(*request.sweep);
+    const auto binades = binades_of(request.sweep);
     const std::vector<Block> all = blocks_of(binades, request.share);
-    const std::size_t rays = request.sweep->rays.size(), rows = request.rows.size();
+    const std::size_t rays = request.sweep.rays.size(), rows = request.rows.size();
     state.tallies.resize(binades.size() * rays * rows);
     std::size_t next = 0;
     for (std::uint64_t tried = 0; next < all.size() && tried < state.tried; ++next) tried += all[next].floats.size();
@@ -145,12 +145,12 @@ std::optional<std::uint32_t> RangeFinding::before(std::uint32_t place) const {
 }
 
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
-    const auto binades = binades_of(*request.sweep);
+    const auto binades = binades_of(request.sweep);
     std::vector<RangeFinding> all;
     for (std::size_t row = 0; row < request.rows.size(); ++row) {
-        for (std::size_t ray = 0; ray < request.sweep->rays.size(); ++ray) {
-            for (std::size_t range = 0; range < request.sweep->ranges().size(); ++range) {
-                RangeFinding found{range, ray, row, request.sweep->ranges()[range], {}};
+        for (std::size_t ray = 0; ray < request.sweep.rays.size(); ++ray) {
+            for (std::size_t range = 0; range < request.sweep.ranges().size(); ++range) {
+                RangeFinding found{range, ray, row, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
                     if (binades[b].range == range) found.tally.append(state.tallies[request.place(b, ray, row)]);
                 }

@@ -103,8 +103,8 @@ struct ExhaustiveState {
 };
 
 struct ExhaustiveRequest {
-    const scene::sweep::ExhaustiveFile* sweep = nullptr;
-    std::vector<evaluate::TestedForm> rows;  ///< all in binary32
+    const scene::sweep::ExhaustiveFile& sweep;
+    std::vector<evaluate::TestedForm> rows = {};  ///< all in binary32
     truth::TruthLimit limit{};
     std::string scene = {};   ///< of a sweep across a mesh: as a command line names it
     shard::Share share = {};  ///< of the blocks into which every binade is cut
@@ -115,7 +115,7 @@ struct ExhaustiveRequest {
 
     /// Where the tally of a form on a ray in a binade stands.
     [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row) const {
-        return (binade * sweep->rays.size() + ray) * rows.size() + row;
+        return (binade * sweep.rays.size() + ray) * rows.size() + row;
     }
 };
 

@@ -192,8 +192,8 @@ std::vector<RowsOfTruth> rows_by_truth(const ExhaustiveRequest& request) {
 
 std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages) {
     const auto& [request, ray, floats] = of;
-    if (request.sweep->mesh) return try_floats_as_rays(of, stages);
-    AxisColumns columns(*request.sweep, ray, chunk_size);
+    if (request.sweep.mesh) return try_floats_as_rays(of, stages);
+    AxisColumns columns(request.sweep, ray, chunk_size);
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);
     truth::TruthColumns truths;

@@ -24,7 +24,7 @@ class FloatBand {
 public:
     explicit FloatBand(const FloatsOnRay& of)
         : rows_(of.request.rows),
-          group_(of.request.sweep->group_over(of.ray, of.floats)),
+          group_(of.request.sweep.group_over(of.ray, of.floats)),
           culler_(culler_of(group_)),
           band_(group_, of.request.limit, culler_ ? &*culler_ : nullptr),
           shared_(band_, rows_, measured()) {}

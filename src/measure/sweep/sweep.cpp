@@ -22,7 +22,7 @@ namespace {
 /// The rows of one step.
 std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& rows,
                                   const std::vector<double>& values) {
-    return evaluate::measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
+    return evaluate::measure_groups(request.sweep.rays(values), rows, request.metrics, request.limit);
 }
 
 /// One thing that can first happen: its value at a step, NaN where there is none.
@@ -130,7 +130,7 @@ void find_recovery(const SweepRequest& request, const Read& steps, std::size_t b
     if (onset.good_at_end) return;
     onset.bad_again = steps[good + 1]->values.front();
     narrow(
-        request.sweep->axes.front(), onset.last_good_after, onset.bad_again, between,
+        request.sweep.axes.front(), onset.last_good_after, onset.bad_again, between,
         [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
 
@@ -152,7 +152,7 @@ Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, co
     }
     onset.last_good = (*std::prev(bad))->values.front();
     narrow(
-        request.sweep->axes.front(), onset.last_good, onset.first_bad, between,
+        request.sweep.axes.front(), onset.last_good, onset.first_bad, between,
         [&](const FormSummary& s) { return !event.happens(s); },
         [&](const FormSummary& s) { onset.value_at_first_bad = event.value(s); });
     return onset;
@@ -183,7 +183,7 @@ std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector
 }  // namespace
 
 std::vector<SweepStep> run_sweep(const SweepRequest& request) {
-    const auto& axes = request.sweep->axes;
+    const auto& axes = request.sweep.axes;
     std::vector<SweepStep> steps;
     for (const double first : axes[0].values) {
         if (axes.size() == 1) {
@@ -207,14 +207,18 @@ std::vector<FormSummary> run_place(const SweepRequest& request, const std::vecto
 }
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
-    if (request.sweep->axes.size() != 1) return {};
+    if (request.sweep.axes.size() != 1) return {};
     std::vector<Onset> onsets = onsets_of_draw(request, steps);
-    if (!request.sweep->is_drawn()) return onsets;
+    if (!request.sweep.is_drawn()) return onsets;
     for (int draw = 1; draw <= request.further_draws; ++draw) {
-        const scene::sweep::SweepFile again = request.sweep->drawn_again(draw);
-        SweepRequest other = for_events(request);
-        other.sweep = &again;
-        other.recoveries = false;
+        const scene::sweep::SweepFile again = request.sweep.drawn_again(draw);
+        const SweepRequest other{.sweep = again,
+                                 .rows = request.rows,
+                                 .metrics = for_events(request).metrics,
+                                 .both_ends = request.both_ends,
+                                 .only = request.only,
+                                 .limit = request.limit,
+                                 .progress = request.progress};
         const std::vector<Onset> found = onsets_of_draw(other, run_sweep(other));
         for (Onset& onset : onsets) {
             const auto same = std::ranges::find_if(found, [&onset](const Onset& o) { return o.is_of_event(onset); });
@@ -238,7 +242,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
         return found;
     }
     const auto rows = request.share.of_units(request.rows.size());
-    if (rows.size() == 0 || request.sweep->axes.size() != 1) return found;
+    if (rows.size() == 0 || request.sweep.axes.size() != 1) return found;
     SweepRequest own = for_events(request);
     own.share = {};
     own.rows = {request.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
@@ -250,16 +254,16 @@ SweepFindings measure_sweep(const SweepRequest& request) {
 
 std::uint64_t sweep_units(const SweepRequest& request) {
     std::uint64_t steps = 1;
-    for (const auto& axis : request.sweep->axes) steps *= axis.values.size();
-    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep->is_drawn() ? request.further_draws : 0));
-    return request.rows.size() * steps * (request.sweep->axes.size() == 1 ? 2 * draws : 1);
+    for (const auto& axis : request.sweep.axes) steps *= axis.values.size();
+    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.is_drawn() ? request.further_draws : 0));
+    return request.rows.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 
 FormSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers) {
     const evaluate::TestedForm& what = request.rows[row];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t number : numbers) {
-        for (scene::rays::RayGroup& group : request.file->rays(number, what.format.parameters))
+        for (scene::rays::RayGroup& group : request.file.rays(number, what.format.parameters))
             groups.push_back(std::move(group));
     }
     return std::move(evaluate::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
@@ -268,7 +272,7 @@ FormSummary run_cases_together(const CaseRequest& request, std::size_t row, cons
 std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> by_format;
     for (std::size_t row = 0; row < request.rows.size(); ++row) by_format[request.rows[row].format.name].push_back(row);
-    const auto units = request.share.of_units(request.file->size());
+    const auto units = request.share.of_units(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
@@ -276,7 +280,7 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
             std::vector<evaluate::TestedForm> rows;
             for (const std::size_t row : places) rows.push_back(request.rows[row]);
             auto summaries =
-                evaluate::measure_groups(request.file->rays(units.first + i, rows.front().format.parameters), rows,
+                evaluate::measure_groups(request.file.rays(units.first + i, rows.front().format.parameters), rows,
                                          request.metrics, request.limit);
             for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
         }

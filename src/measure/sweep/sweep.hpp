@@ -61,7 +61,7 @@ struct SweepFindings {
 };
 
 struct SweepRequest {
-    const scene::sweep::SweepFile* sweep = nullptr;
+    const scene::sweep::SweepFile& sweep;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
     int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
@@ -117,7 +117,7 @@ inline constexpr std::array<std::string_view, 8> verdict_names{
     "right", "within_inputs", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved", "wrong_object"};
 
 struct CaseRequest {
-    const scene::sweep::CaseFile* file = nullptr;
+    const scene::sweep::CaseFile& file;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     truth::TruthLimit limit{};

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "output/file/number_text.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::blame {
 
@@ -71,7 +72,8 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
         fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", width, "without rounding", width,
                     "off, ulp", "bits cancelled", "local", "own, ulp", fmt::format("of {}, ulp", words.subject()));
     const OperationTable found = operation_table(x, words, all);
-    if (found.first > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", found.first);
+    if (found.first > 0)
+        text += fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(found.first, "operation"));
     for (const OperationRow& row : found.rows) text += line_of(x, words, row);
     return text;
 }

@@ -5,6 +5,7 @@
 #include "measure/choice/file_rays.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/plot/scatter_plot.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::choice {
 
@@ -132,10 +133,11 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
                     chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
                                                chosen.all[*chosen.meets].row.format.name)
                                  : "Nothing meets it"),
-        fmt::format("Time: {} of the rays against {} of the solids, median of {} repetitions of "
+        fmt::format("Time: {} of the rays against {} of the solids, median of {} of "
                     "this run, bars from quartile to quartile. Named: the Pareto front, where fewer wrong "
                     "decisions count before more bits, and what is chosen.",
-                    chosen.timed.rays, chosen.timed.solids, chosen.request.plan.repetitions)};
+                    chosen.timed.rays, chosen.timed.solids,
+                    scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<speed::FrontPoint> points;

@@ -7,6 +7,7 @@
 
 #include "measure/choice/file_rays.hpp"
 #include "output/file/number_text.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::choice {
 
@@ -71,9 +72,9 @@ std::string kept(const Worth& worth, int precision, const Wish& wish) {
 }
 
 std::string decisions(const Worth& worth) {
-    if (worth.wrong == 0) return fmt::format("no wrong decision in {} rays", worth.rays);
+    if (worth.wrong == 0) return "no wrong decision in " + scene::toml::counted(worth.rays, "ray");
     const auto share = worth.wrong_fraction();
-    return fmt::format("{} of {} rays decided wrongly ({}%)", worth.wrong, worth.rays,
+    return fmt::format("{} of {} decided wrongly ({}%)", worth.wrong, scene::toml::counted(worth.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
@@ -95,7 +96,7 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
         std::string outcome(
             room.broken.first ? measure::answer::outcome_names[static_cast<std::size_t>(*room.broken.first)] : "");
         std::ranges::replace(outcome, '_', ' ');
-        return fmt::format("{} ({} of {} rays)", outcome, room.broken.wrong, room.broken.rays);
+        return fmt::format("{} ({} of {})", outcome, room.broken.wrong, scene::toml::counted(room.broken.rays, "ray"));
     }
     return std::isnan(room.broken.kept_bits) ? "no hit that form and truth agree on"
                                              : "keeping " + kept(room.broken, precision, wish);
@@ -144,12 +145,14 @@ std::string next_ray(const Chosen& chosen) {
     const auto& [outside, both, points, rays] = *chosen.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("no strategy")
-                            : fmt::format("{} ({} operations)", safe.front().strategy->name, safe.front().operations);
+                            : fmt::format("{} ({})", safe.front().strategy->name,
+                                          scene::toml::counted(safe.front().operations, "operation"));
     };
     return fmt::format(
-        "  The next ray, cheapest start that is right for all {} rays from {} points: {} away from the "
+        "  The next ray, cheapest start that is right for all {} from {}: {} away from the "
         "solid, {} also into it.\n",
-        rays, points, cheapest_of(outside), cheapest_of(both));
+        scene::toml::counted(rays, "ray"), scene::toml::counted(points, "point"), cheapest_of(outside),
+        cheapest_of(both));
 }
 
 /// What the files' own answers are worth.
@@ -281,8 +284,9 @@ std::string in_words(const Chosen& chosen) {
     }
     if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
     text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
-    return text + fmt::format("Times are of this run: {} rays of the {} against {} of its solids.\n", chosen.timed.rays,
-                              chosen.request.rays ? "file" : "scene", chosen.timed.solids);
+    return text + fmt::format("Times are of this run: {} of the {} against {} of its solids.\n",
+                              scene::toml::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
+                              chosen.timed.solids);
 }
 
 }  // namespace lostbits::output::choice

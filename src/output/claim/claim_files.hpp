@@ -1,6 +1,7 @@
 // The reports of a check: JUnit XML, CSV, JSON and a document with pictures; and the words of all of them.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -30,13 +31,10 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<scen
 /// evaluations; the worst is …"; empty where the sentence speaks of single numbers.
 std::string evidence_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 
-/// `agrees`, `disagrees`, `broken` or `skipped`.
+/// In the order of `ClaimResult::State`.
+inline constexpr std::array state_names{"agrees", "disagrees", "broken", "skipped"};
 constexpr const char* state_name(measure::claim::ClaimResult::State state) {
-    using Became = measure::claim::ClaimResult::State;
-    return state == Became::agrees      ? "agrees"
-           : state == Became::disagrees ? "disagrees"
-           : state == Became::broken    ? "broken"
-                                        : "skipped";
+    return state_names[static_cast<std::size_t>(state)];
 }
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -19,6 +18,7 @@
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/exr_parts.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::claim {
 
@@ -66,7 +66,7 @@ std::string summary_text(const ClaimMoves& moves) {
                          std::ranges::none_of(moves.moves, [](const auto& move) { return move.before && move.now; });
     if (foreign) return "no claim is in both runs: the earlier one was of other claims, or --filter leaves its out";
     return n == 0 ? fmt::format("no measured value moved; {} {} the same", moves.same, moves.same == 1 ? "is" : "are")
-                  : fmt::format("{} measured value{} moved, {} {} the same", n, n == 1 ? "" : "s", moves.same,
+                  : fmt::format("{} moved, {} {} the same", scene::toml::counted(n, "measured value"), moves.same,
                                 moves.same == 1 ? "is" : "are");
 }
 
@@ -92,9 +92,7 @@ MeasuredClaim claim_in(const nlohmann::json& json, const std::filesystem::path& 
                         .measured = number_in(json.at("measured_hex"), path),
                         .low = number_in(json.at("expected_hex").at(0), path),
                         .high = number_in(json.at("expected_hex").at(1), path)};
-    using Became = measure::claim::ClaimResult::State;
-    const auto is_it = [&claim](Became s) { return claim.state == state_name(s); };
-    if (std::ranges::none_of(std::array{Became::agrees, Became::disagrees, Became::broken, Became::skipped}, is_it))
+    if (std::ranges::find(state_names, claim.state) == state_names.end())
         throw wrong(path,
                     "has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
     const auto& decimal = json.at("measured");

@@ -66,10 +66,10 @@ std::string picture_link(const std::string& title, const std::string& file) {
 /// The sheet of a scene, measured by `run`.
 template <class Sheet, class Request, class Run>
 std::string sheet_of(const ShownSubject& shown, const Request& request, const char* ending, const Run& run) {
-    const std::string file = request.scene->id + ending;
+    const std::string file = request.scene.id + ending;
     Sheet sheet(request, {.folder = {}, .sheet_alone = shown.folder / "pictures" / file});
-    sheet.finish(run(request, &sheet));
-    return picture_link(request.scene->title, file);
+    sheet.finish(run(request, [&sheet](std::size_t row, const auto& band) { sheet.band(row, band); }));
+    return picture_link(request.scene.title, file);
 }
 
 /// The marches along a scene's first pixel, sample by sample, where all claims are about those; else its picture.
@@ -103,7 +103,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
     for (const Claim* const c : shown.claims)
         stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{
-        .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
+        .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
     // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
     // lacks.
     const std::vector<TestedForm> claimed = rows_of(shown.claims);
@@ -120,7 +120,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
 std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    measure::offset::OffsetRequest request{.scene = &scene,
+    measure::offset::OffsetRequest request{.scene = scene,
                                            .rows = {},
                                            .strategies = measure::offset::all_strategies(),
                                            .limit = {.stop = shown.run.stop},
@@ -140,7 +140,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
 std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     const std::vector<TestedForm> rows = rows_of(shown.claims);
-    const measure::consistency::ConsistencyRequest request{.scene = &scene,
+    const measure::consistency::ConsistencyRequest request{.scene = scene,
                                                            .rows = rows,
                                                            .checks = measure::consistency::checks_for(scene, rows),
                                                            .limit = {.stop = shown.run.stop}};
@@ -178,7 +178,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{
-            .file = &file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+            .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> judged :
@@ -193,7 +193,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir);
     measure::sweep::SweepRequest request{
-        .sweep = &sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+        .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
     for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;

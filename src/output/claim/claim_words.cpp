@@ -7,6 +7,7 @@
 #include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/number_text.hpp"
+#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::output::claim {
@@ -46,7 +47,9 @@ std::string quantity(const Claim& c) {
                            : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
 }
 
-std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt::format("all {} floats", r.floats); }
+std::string floats_text(const ClaimResult& r) {
+    return r.floats == 0 ? "" : "all " + scene::toml::counted(r.floats, "float");
+}
 
 std::string evidence_text(const Claim& c, const ClaimResult& r) {
     using Evidence = Claim::Evidence;
@@ -111,8 +114,8 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
         return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
-    return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
-                       file::decimal(s.low), file::decimal(s.high), s.draws);
+    return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(r.measured),
+                       file::decimal(s.low), file::decimal(s.high), scene::toml::counted(s.draws, "draw"));
 }
 
 }  // namespace

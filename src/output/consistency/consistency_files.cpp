@@ -79,11 +79,11 @@ std::vector<PixelColumn<ConsistencyBand>> columns_of(const ConsistencyRequest& r
 
 image::SheetSpec sheet_spec(const ConsistencyRequest& request) {
     image::SheetSpec spec{
-        .title = request.scene->title,
+        .title = request.scene.title,
         .subtitle =
             {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
                          "alike",
-                         request.scene->id, request.scene->width, request.scene->height),
+                         request.scene.id, request.scene.width, request.scene.height),
              "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
              "more than the exact answers both chords, or both t, differ"},
         .forms = {},
@@ -175,7 +175,7 @@ ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, pixel::Sce
     : request_(request),
       options_(std::move(options)),
       table_(options_.folder, "summary.csv", "One row per check, form and format", check_table()),
-      pictures_({.scene = *request.scene,
+      pictures_({.scene = request.scene,
                  .sheets = {{options_.sheet(), sheet_spec(request)}},
                  .singles = options_.folder_of_singles(),
                  .stop = request.limit.stop},
@@ -200,7 +200,7 @@ void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
         }
     }
     pictures_.writer().finish();
-    if (!options_.folder.empty()) table::close_tables(options_.folder, request_.scene->title, table_, pixels_);
+    if (!options_.folder.empty()) table::close_tables(options_.folder, request_.scene.title, table_, pixels_);
 }
 
 }  // namespace lostbits::output::consistency

@@ -27,12 +27,12 @@ struct CheckRow {
 ///
 /// All checks are on one page, checks across, forms and formats down; `<form>.<format>.<check>.png` is a cell of it,
 /// and `<form>.<format>.csv` has one row per pixel.
-class ConsistencyFiles final : public measure::consistency::ConsistencySink {
+class ConsistencyFiles {
 public:
     /// `request` must outlive it.
     ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, pixel::SceneFilesOptions options);
 
-    void band(std::size_t row, const measure::consistency::ConsistencyBand& band) override;
+    void band(std::size_t row, const measure::consistency::ConsistencyBand& band);
     void finish(const std::vector<measure::consistency::RowChecks>& rows);
 
 private:

@@ -11,6 +11,7 @@
 #include "measure/answer/outcome.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "output/diff/ledger.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::diff {
 
@@ -137,8 +138,6 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
     return verdict;
 }
 
-std::string count_of_rows(std::uint64_t n) { return fmt::format("{} {}", n, n == 1 ? "row" : "rows"); }
-
 }  // namespace
 
 void RowVerdict::add(const RowVerdict& other) {
@@ -159,19 +158,19 @@ std::string RowVerdict::text(const std::string& second) const {
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so that other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        count_of_rows(other_truth)));
+                        scene::toml::counted(other_truth, "row")));
     if (one_sided > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, and only one side has a lost_bits_p99",
-                        count_of_rows(one_sided)));
+                        scene::toml::counted(one_sided, "row")));
     if (of_other_hits > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide as many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "of its own hits; `lostbits map --against` compares the hits that both have",
-            count_of_rows(of_other_hits)));
+            scene::toml::counted(of_other_hits, "row")));
     if (better + worse + even > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
-                                    count_of_rows(better), worse, even, by_shares ? "the share of " : "",
+                                    scene::toml::counted(better, "row"), worse, even, by_shares ? "the share of " : "",
                                     by_decisions ? "wrong decisions" : "", by_decisions && by_bits ? ", then by " : "",
                                     by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));

@@ -11,6 +11,7 @@
 
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::file {
@@ -159,9 +160,9 @@ CsvTable parse_csv(std::string text, const std::string& source) {
         const std::size_t line = parser.line();
         parser.row(cells);
         if (cells.size() != table.columns.size()) {
-            parser.fail(line, "is not a CSV file: " + std::to_string(cells.size()) +
-                                  (cells.size() == 1 ? " cell" : " cells") + " where the header has " +
-                                  std::to_string(table.columns.size()) + "; quote cells that contain commas");
+            parser.fail(line, "is not a CSV file: " + scene::toml::counted(cells.size(), "cell") +
+                                  " where the header has " + std::to_string(table.columns.size()) +
+                                  "; quote cells that contain commas");
         }
         table.lines.push_back(line);
         for (std::size_t c = 0; c < cells.size(); ++c) table.columns[c].cells.push_back(cells[c]);

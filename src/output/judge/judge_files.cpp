@@ -16,7 +16,6 @@ using file::Cell;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
-using measure::judge::JudgeSink;
 using measure::judge::NotedRay;
 using measure::judge::WorstRays;
 using scene::dump::Chunk;
@@ -114,7 +113,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 }
 
 /// The files of one row.
-class RowParts final : public JudgeSink {
+class RowParts {
 public:
     RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
     void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
@@ -123,7 +122,7 @@ public:
                       ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
     void send_to(measure::evaluate::EvaluationSink& map) { map_ = &map; }
-    void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) override {
+    void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
         worst_.look_at(chunk.first, result);
         for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
         map_->band(result);
@@ -191,10 +190,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
 
 JudgeFiles::~JudgeFiles() = default;
 
-std::vector<JudgeSink*> JudgeFiles::sinks() {
-    std::vector<JudgeSink*> sinks;
-    for (const auto& row : parts_->rows) sinks.push_back(row.get());
-    return sinks;
+void JudgeFiles::piece(std::size_t row, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    parts_->rows[row]->piece(chunk, result);
 }
 
 void JudgeFiles::put(std::size_t row, map::MapPiece&& piece) {

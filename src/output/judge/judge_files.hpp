@@ -32,8 +32,8 @@ public:
     JudgeFiles(const JudgeFiles&) = delete;
     JudgeFiles& operator=(const JudgeFiles&) = delete;
 
-    /// One a row of the request, in its order.
-    [[nodiscard]] std::vector<measure::judge::JudgeSink*> sinks();
+    /// The next rays of a row.
+    void piece(std::size_t row, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
     /// The next piece of a row, as another run kept it.
     void put(std::size_t row, map::MapPiece&& piece);
     /// Of each row; and what another run found in the rays that come next.

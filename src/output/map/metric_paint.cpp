@@ -8,6 +8,7 @@
 #include "measure/answer/against.hpp"
 #include "measure/blame/culprits.hpp"
 #include "output/map/map_tables.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::map {
 
@@ -229,8 +230,9 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
     if (!is_of_hits()) {
         if (d.count() == 0) return is_distance() ? "no ray that both hit" : "no value";
-        return fmt::format("median {}{}\nlargest {}{}\nof {} rays{}", short_number(d.quantile(0.5)), unit,
-                           short_number(d.quantile(1)), unit, d.count(), is_distance() ? " that both hit" : "");
+        return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(d.quantile(0.5)), unit,
+                           short_number(d.quantile(1)), unit, scene::toml::counted(d.count(), "ray"),
+                           is_distance() ? " that both hit" : "");
     }
     std::string text = faults_of(s);
     const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };

@@ -17,7 +17,6 @@ using intersect::Info;
 using measure::answer::Outcome;
 using measure::evaluate::NeededBand;
 using measure::evaluate::NeededRequest;
-using measure::evaluate::NeededSink;
 using measure::evaluate::NeededSummary;
 using measure::evaluate::WidthCounts;
 using measure::metric::Statistic;
@@ -64,7 +63,7 @@ NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions
              columns.size(),
              pixel::drawn_by<NeededBand>(
                  [](const NeededBand& band, std::size_t i) { return pixel_of(band.needed[i]); })});
-    return {{.scene = *request.scene,
+    return {{.scene = request.scene,
              .sheets = {},
              .singles = options.folder,
              .stop = request.limit.stop,
@@ -138,7 +137,7 @@ Table<NeededPixel> needed_pixel_table(int bits) {
 }  // namespace
 
 /// The files of one form.
-class NeededFormFiles final : public NeededSink {
+class NeededFormFiles {
 public:
     NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
                     NeededColumns& pictures)
@@ -150,7 +149,7 @@ public:
                          needed_pixel_table(request.bits));
     }
 
-    void band(const NeededBand& result) override {
+    void band(const NeededBand& result) {
         MapPiece piece{.y0 = result.y0, .strips = pictures_.draw(place_, result, result.needed.size())};
         if (options_.exr) piece.exr = options_.exr->rows_of(result, piece.strips[0].colours);
         for (std::size_t i = 0; csv_ && i < result.needed.size(); ++i) csv_->add({&result, i, result.truth(i)});
@@ -195,11 +194,7 @@ NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions&
 
 NeededFiles::~NeededFiles() = default;
 
-std::vector<NeededSink*> NeededFiles::sinks() {
-    std::vector<NeededSink*> sinks;
-    for (const auto& form : parts_->forms) sinks.push_back(form.get());
-    return sinks;
-}
+void NeededFiles::band(std::size_t form, const NeededBand& result) { parts_->forms.at(form)->band(result); }
 
 std::vector<file::DataResource> NeededFiles::resources() const {
     std::vector<file::DataResource> resources;

@@ -33,8 +33,8 @@ public:
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
-    /// One sink a form of the request, in its order.
-    [[nodiscard]] std::vector<measure::evaluate::NeededSink*> sinks();
+    /// The next band of a form.
+    void band(std::size_t form, const measure::evaluate::NeededBand& result);
     /// The next piece of a form, as another run kept it.
     void put(std::size_t form, MapPiece&& piece);
     /// For the folder's datapackage.json.

@@ -10,6 +10,7 @@
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/mend/form_code.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::mend {
 
@@ -33,7 +34,7 @@ std::string in_words(const Worth& worth, const measure::choice::Wish& wish) {
     const std::string bits = std::isnan(worth.kept_bits) ? "no bits, since no hit is agreed"
                                                          : choice::bits_beside(worth.kept_bits, wish) + " bits";
     if (worth.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} rays decided wrongly", bits, worth.wrong, worth.rays);
+    return fmt::format("{}, {} of {} decided wrongly", bits, worth.wrong, scene::toml::counted(worth.rays, "ray"));
 }
 
 std::string room_in_words(const Room& room, const MendResult& r) {
@@ -108,10 +109,12 @@ std::string set_in_words(const MendResult& r) {
 std::string rewritten_in_words(const MendResult& r, std::size_t k) {
     const auto& one = r.mended.rewriting.found[k];
     const std::string how =
-        one.set ? fmt::format(", {} operations of it in {},", one.set->operations.size(), name_of_wider(r.mended.wider))
+        one.set ? fmt::format(", {} of it in {},", scene::toml::counted(one.set->operations.size(), "operation"),
+                              name_of_wider(r.mended.wider))
                 : "";
-    std::string text = fmt::format("Written another way{} it keeps {}; {} operations in place of {}.\n", how,
-                                   in_words(one.worth, r.request.wish), one.operations, r.mended.operations);
+    std::string text =
+        fmt::format("Written another way{} it keeps {}; {} in place of {}.\n", how, in_words(one.worth, r.request.wish),
+                    scene::toml::counted(one.operations, "operation"), r.mended.operations);
     std::set<const measure::identity::Rule*> told;
     for (const measure::identity::Rule* rule : one.rules) {
         if (!told.insert(rule).second) continue;
@@ -247,7 +250,7 @@ std::string in_words(const MendResult& r) {
                             in_words(r.catalogue_worth.front(), wish), r.catalogue.size(), meet);
     }
     text += prices_in_words(r);
-    return text + fmt::format("Tried: {} candidates on all {} rays.\n", m.tried,
+    return text + fmt::format("Tried: {} on all {} rays.\n", scene::toml::counted(m.tried, "candidate"),
                               r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size());
 }
 

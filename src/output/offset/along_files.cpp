@@ -51,7 +51,7 @@ std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char
 
 void AlongFiles::plot_wrong(std::size_t row, Side side) const {
     plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
-                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .subtitle = {request_.scene.title, subject(request_.rows[row], side)},
                             .x = axis_of(along_),
                             .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
                             .series = {}};
@@ -71,7 +71,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
     plot::LinePlotSpec spec{.title = fmt::format("Offsets along {}", name_of(along_)),
-                            .subtitle = {request_.scene->title, subject(request_.rows[row], side)},
+                            .subtitle = {request_.scene.title, subject(request_.rows[row], side)},
                             .x = axis_of(along_),
                             .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
                             .series = {}};

@@ -8,6 +8,7 @@
 #include "measure/offset/offsets.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::offset {
 
@@ -114,9 +115,9 @@ std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
 /// The smallest safe offset and the strategies across; form, format, points and side down.
 image::SheetSpec sheet_spec(const OffsetRequest& request) {
     image::SheetSpec spec{
-        .title = request.scene->title,
+        .title = request.scene.title,
         .subtitle = {fmt::format("{}, {} x {} pixels: what becomes of rays that leave the points that a form finds",
-                                 request.scene->id, request.scene->width, request.scene->height),
+                                 request.scene.id, request.scene.width, request.scene.height),
                      "first the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
                      "share of rays that go wrong"},
         .forms = {"smallest safe"},
@@ -222,7 +223,7 @@ OffsetFiles::OffsetFiles(const OffsetRequest& request, pixel::SceneFilesOptions 
       options_(std::move(options)),
       table_(options_.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
              strategy_table()),
-      pictures_({.scene = *request.scene,
+      pictures_({.scene = request.scene,
                  .sheets = {{options_.sheet(), sheet_spec(request), true}},
                  .singles = options_.folder_of_singles(),
                  .stop = request.limit.stop},
@@ -247,7 +248,7 @@ void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
     pictures_.writer().finish();
     if (options_.folder.empty()) return;
     table_.add_all(strategy_rows(request_, summaries));
-    table::close_tables(options_.folder, request_.scene->title, table_, pixels_, options_.also);
+    table::close_tables(options_.folder, request_.scene.title, table_, pixels_, options_.also);
 }
 
 std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
@@ -265,17 +266,21 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
         const double largest = on.safe.quantile(1);
         const std::string safe =
             std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {} points", on.never_safe)
-                : fmt::format("smallest safe offset up to {:.3g}{}", largest,
-                              on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe));
-        lines.push_back(fmt::format("{} {}: {}; right for all {} rays: {}", of, name_of(side), safe, on.rays,
-                                    right.empty() ? "no strategy" : right));
+                ? "no offset is safe at any of " + scene::toml::counted(on.never_safe, "point")
+                : fmt::format(
+                      "smallest safe offset up to {:.3g}{}", largest,
+                      on.never_safe == 0
+                          ? ""
+                          : fmt::format(" ({} none)", scene::toml::counted(on.never_safe, "point has", "points have")));
+        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", of, name_of(side), safe,
+                                    scene::toml::counted(on.rays, "ray"), right.empty() ? "no strategy" : right));
     }
     const auto safe =
         measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
     if (!safe.empty())
-        lines.push_back(fmt::format("{}: the cheapest that is right on both sides: {}, {} operations", of,
-                                    safe.front().strategy->name, safe.front().operations));
+        lines.push_back(fmt::format("{}: the cheapest that is right on both sides: {}, {}", of,
+                                    safe.front().strategy->name,
+                                    scene::toml::counted(safe.front().operations, "operation")));
     return lines;
 }
 

@@ -45,12 +45,12 @@ struct StrategyRow {
 /// All offsets are on one page: the smallest safe offset and the strategies across; forms, formats, kinds of points and
 /// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells, and
 /// `<form>.<format>.<point>.csv` has one row per pixel.
-class OffsetFiles final : public measure::offset::OffsetSink {
+class OffsetFiles {
 public:
     /// `request` must outlive it.
     OffsetFiles(const measure::offset::OffsetRequest& request, pixel::SceneFilesOptions options);
 
-    void band(std::size_t row, const measure::offset::OffsetBand& band) override;
+    void band(std::size_t row, const measure::offset::OffsetBand& band);
     void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
 
 private:

@@ -13,6 +13,7 @@
 #include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::page {
 
@@ -205,7 +206,7 @@ std::string counts_text(std::size_t claims, const claim::VerdictCounts& n) {
     add(n.qualified, "qualified", "qualified");
     add(n.refuted, "refuted", "refuted");
     add(n.skipped, "skipped", "skipped");
-    return fmt::format("{} claim{}: {}", claims, claims == 1 ? "" : "s", text);
+    return fmt::format("{}: {}", scene::toml::counted(claims, "claim"), text);
 }
 
 /// The title of what the page shows by this name; empty where it shows nothing by it.

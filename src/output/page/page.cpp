@@ -12,6 +12,7 @@
 #include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::page {
 
@@ -216,8 +217,6 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     return text;
 }
 
-std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
-
 /// What the page is.
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
@@ -253,15 +252,15 @@ std::string claims_body(const Report& report) {
     if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
-        counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
+        scene::toml::counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
 /// What was typed.
 std::string made_body(const Report& report) {
-    const std::string what =
-        report.maps.empty() && report.sweeps.empty()
-            ? ""
-            : fmt::format("{}, {}. ", counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"));
+    const std::string what = report.maps.empty() && report.sweeps.empty()
+                                 ? ""
+                                 : fmt::format("{}, {}. ", scene::toml::counted(report.maps.size(), "map"),
+                                               scene::toml::counted(report.sweeps.size(), "sweep"));
     return fmt::format("<p>{}Made by:</p>\n", what) + preformatted(html(report.command));
 }
 

@@ -13,6 +13,7 @@
 #include "output/speed/trade_files.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::page {
 
@@ -55,7 +56,7 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
 
 Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
                 const std::vector<Onset>& onsets) {
-    const scene::sweep::Axis& axis = request.sweep->axes.front();
+    const scene::sweep::Axis& axis = request.sweep.axes.front();
     Json rows = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         Json row = row_json(request.rows[r], request.metrics, steps.size(),
@@ -73,18 +74,18 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json far = Json::object();
     for (const measure::evaluate::TestedForm& row : request.rows) {
         if (far.contains(row.format.name)) continue;
-        const auto part = sweep::too_far(*request.sweep, row.format.parameters);
+        const auto part = sweep::too_far(request.sweep, row.format.parameters);
         far[row.format.name] = part ? Json::array({number_json(part->from), number_json(part->to)}) : Json();
     }
     return {
-        {"id", request.sweep->id},
-        {"title", request.sweep->title},
+        {"id", request.sweep.id},
+        {"title", request.sweep.title},
         {"kind", "line"},
         {"axis", axis.name},
         {"label", axis.label},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
-        {"is_drawn", request.sweep->is_drawn()},
+        {"is_drawn", request.sweep.is_drawn()},
         {"too_far", std::move(far)},
         {"too_far_means", sweep::too_far_means},
         {"gap_means", sweep::gap_means()},
@@ -114,11 +115,11 @@ Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values
 Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
     const sweep::SweepGrid plane(request, steps);
     const std::size_t columns = plane.x.size();
-    const auto& axes = request.sweep->axes;
-    Json json{{"id", request.sweep->id},
-              {"title", request.sweep->title},
+    const auto& axes = request.sweep.axes;
+    Json json{{"id", request.sweep.id},
+              {"title", request.sweep.title},
               {"kind", "plane"},
-              {"is_drawn", request.sweep->is_drawn()},
+              {"is_drawn", request.sweep.is_drawn()},
               {"outlined_means", sweep::outlined_means},
               {"nowhere_outlined", sweep::nowhere_outlined},
               {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
@@ -134,7 +135,7 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
 }
 
 Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases) {
-    const scene::sweep::CaseFile& file = *request.file;
+    const scene::sweep::CaseFile& file = request.file;
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
     Json json{{"id", file.id},
@@ -179,7 +180,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& any = onsets.front();
-    return fmt::format(", among {} rays{}", any.rays,
+    return fmt::format(", among {}{}", scene::toml::counted(any.rays, "ray"),
                        any.further.empty() ? "" : fmt::format(" (and over {} draws of them)", 1 + any.further.size()));
 }
 
@@ -203,7 +204,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
     std::vector<std::string> names{"form", "format"};
     for (const Wanted& w : wanted) names.emplace_back(w.title);
     std::string text = fmt::format("<table><caption>First value of {} at which it happens{}</caption>{}",
-                                   html(request.sweep->axes.front().name), draws_text(onsets), header_row(names));
+                                   html(request.sweep.axes.front().name), draws_text(onsets), header_row(names));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);

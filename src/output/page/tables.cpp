@@ -155,7 +155,8 @@ std::string offset_table(const measure::offset::OffsetRequest& request, const me
         for (std::size_t k = 0; k < request.strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*request.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
-                const double value = measure::offset::offset_value(summary, side, k, column.column, "the page");
+                const double value =
+                    column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
                 text += column.share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", shown(value));
             }
             text += "</tr>\n";

@@ -59,12 +59,12 @@ pixel::ExrLayers<RenderBand> layers_of(const measure::picture::RenderRequest& re
 RenderExr::RenderExr(const std::filesystem::path& path, const measure::picture::RenderRequest& request,
                      const measure::evaluate::TestedForm& row, const std::string& command)
     : layers_(layers_of(request)) {
-    const image::ExrSpec spec{.width = request.scene->width,
-                              .height = request.scene->height,
+    const image::ExrSpec spec{.width = request.scene.width,
+                              .height = request.scene.height,
                               .channels = layers_.channels(),
                               .attributes = {{"lostbits:command", command},
                                              {"lostbits:schema", "lostbits-render/1"},
-                                             {"lostbits:scene", request.scene->id},
+                                             {"lostbits:scene", request.scene.id},
                                              {"lostbits:form", std::string(row.form->info->name)},
                                              {"lostbits:format", row.format.name},
                                              image::compiler_attribute(),
@@ -98,7 +98,7 @@ void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& sum
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             table_.add({request_.stages[s], &request_.rows[r], &summaries[r * stages + s]});
     // Closed last: a folder with a summary is a finished one.
-    table::close_tables(options_.folder, request_.scene->title, table_);
+    table::close_tables(options_.folder, request_.scene.title, table_);
 }
 
 }  // namespace lostbits::output::picture

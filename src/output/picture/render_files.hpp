@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -24,19 +23,12 @@ namespace lostbits::output::picture {
 /// In the order of `Shadow`, and one more: what is not seen alike shares black with NaN.
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
-/// Some lines of a row, or of the certified picture.
-struct RenderStrip {
-    const measure::picture::RenderBand* band;
-    std::span<const measure::picture::TruePixel> truth;
-};
-
 /// On the sheet forms across, the certified picture first; stages and formats down. Alone, `<stage>.reference.png` and
 /// `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is the difference of the two,
 /// and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that all stages share, the last
 /// two where a stage needs them. `request` must outlive the columns.
-[[nodiscard]] pixel::ColumnFiles<RenderStrip> render_pictures(const measure::picture::RenderRequest& request,
-                                                              const map::RowGrid& grid,
-                                                              const pixel::SceneFilesOptions& options);
+[[nodiscard]] pixel::ColumnFiles<measure::picture::RenderBand> render_pictures(
+    const measure::picture::RenderRequest& request, const map::RowGrid& grid, const pixel::SceneFilesOptions& options);
 /// The note under a thumbnail: what a glance should take away.
 [[nodiscard]] std::string glance(const measure::picture::RenderSummary& s);
 
@@ -72,16 +64,15 @@ private:
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
 /// The pictures are `render_pictures`; `<form>.<format>.exr` has what they were made of.
-class RenderFiles final : public measure::picture::RenderSink {
+class RenderFiles {
 public:
     /// `request` must outlive it.
     RenderFiles(const measure::picture::RenderRequest& request, pixel::SceneFilesOptions options);
 
-    void reference(int y0, int, std::span<const measure::picture::TruePixel> truth) override {
-        pictures_.take(request_.rows.size(), {nullptr, truth}, y0, truth.size());
-    }
-    void row(std::size_t row, const measure::picture::RenderBand& band) override {
-        pictures_.take(row, {&band, {}}, band.y0, band.seen.size());
+    /// The certified picture, which all rows have, is taken with the first.
+    void band(std::size_t row, const measure::picture::RenderBand& band) {
+        if (row == 0) pictures_.take(request_.rows.size(), band, band.y0, band.truth.size());
+        pictures_.take(row, band, band.y0, band.seen.size());
         if (!layers_.empty()) layers_[row].write(band);
     }
     void finish(const std::vector<measure::picture::RenderSummary>& summaries);
@@ -91,7 +82,7 @@ private:
     pixel::SceneFilesOptions options_;
     table::TableFile<StageRow> table_;
     map::RowGrid grid_;
-    pixel::ColumnFiles<RenderStrip> pictures_;
+    pixel::ColumnFiles<measure::picture::RenderBand> pictures_;
     std::vector<RenderExr> layers_;  ///< of each row; none beside a sheet alone
 };
 

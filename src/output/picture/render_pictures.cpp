@@ -70,7 +70,7 @@ constexpr const char* glance_means =
     "one, or one where there is none";
 
 image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& grid) {
-    const scene::file::Scene& scene = *request.scene;
+    const scene::file::Scene& scene = request.scene;
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id,
                                                    scene.width, scene.height),
@@ -96,7 +96,7 @@ public:
         for (std::size_t s = 0; s < request.stages.size(); ++s) add_reference(s);
         for (std::size_t r = 0; r < request.rows.size(); ++r) add_row(r);
     }
-    [[nodiscard]] std::vector<PixelColumn<RenderStrip>> take() { return std::move(columns_); }
+    [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
 
 private:
     void add_reference(std::size_t s) {
@@ -104,8 +104,8 @@ private:
             .file = fmt::format("{}.reference.png", name_of(request_.stages[s])), .look = pictures_, .bare = true};
         for (std::size_t f = 0; f < grid_.formats.size(); ++f) spec.places.push_back({0, s * grid_.formats.size() + f});
         add(std::move(spec), request_.rows.size(),
-            [stage = static_cast<std::size_t>(request_.stages[s])](const RenderStrip& strip, std::size_t i) {
-                return certified(strip.truth[i].colours[stage]);
+            [stage = static_cast<std::size_t>(request_.stages[s])](const RenderBand& band, std::size_t i) {
+                return certified(band.truth[i].colours[stage]);
             });
     }
 
@@ -118,30 +118,24 @@ private:
                  .look = pictures_,
                  .places = {{1 + at.form, s * grid_.formats.size() + at.format}},
                  .bare = true},
-                r, [s](const RenderStrip& strip, std::size_t i) { return pixel_of(strip.band->painted[s][i]); });
+                r, [s](const RenderBand& band, std::size_t i) { return pixel_of(band.painted[s][i]); });
             add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name), fmt::format("{}, {}", stage, of_colour.title),
                          of_colour.note, colours_),
-                r, [s](const RenderStrip& strip, std::size_t i) {
-                    return error_of(strip.band->seen[i], strip.band->painted[s][i].error);
+                r, [s](const RenderBand& band, std::size_t i) {
+                    return error_of(band.seen[i], band.painted[s][i].error);
                 });
         }
         add(map_spec(r, name + ".residual.png", of_residual.title, of_residual.note, residuals_), r,
-            [](const RenderStrip& strip, std::size_t i) {
-                return error_of(strip.band->seen[i], strip.band->residual[i]);
-            });
+            [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.residual[i]); });
         if (any_stage(&ShadeRule::diffuse))
             add(map_spec(r, name + ".normal.png", of_normal.title, of_normal.note, normals_), r,
-                [](const RenderStrip& strip, std::size_t i) {
-                    return error_of(strip.band->seen[i], strip.band->normal_angle[i]);
-                });
+                [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.normal_angle[i]); });
         if (any_stage(&ShadeRule::shadows))
             add(map_spec(r, name + ".shadow.png", "shadow decisions",
                          "shadow decisions where both see the same: on spheres that face the light, and on the "
                          "background if it is a plane",
                          shadows_),
-                r, [](const RenderStrip& strip, std::size_t i) {
-                    return shadow_of(strip.band->seen[i], strip.band->shadow[i]);
-                });
+                r, [](const RenderBand& band, std::size_t i) { return shadow_of(band.seen[i], band.shadow[i]); });
     }
 
     [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
@@ -154,14 +148,13 @@ private:
     }
 
     [[nodiscard]] bool any_stage(bool ShadeRule::*asks) const {
-        return std::ranges::any_of(request_.stages, [&](Stage s) {
-            return measure::picture::shade_rule(request_.scene->appearance, s).*asks;
-        });
+        return std::ranges::any_of(
+            request_.stages, [&](Stage s) { return measure::picture::shade_rule(request_.scene.appearance, s).*asks; });
     }
 
     template <class Of>
     void add(pixel::ColumnSpec spec, std::size_t row, Of of) {
-        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderStrip>(of)});
+        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(of)});
     }
 
     const RenderRequest& request_;
@@ -169,7 +162,7 @@ private:
     SharedLook pictures_ = std::make_shared<const Look>(picture_look()),
                shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(of_colour),
                normals_ = error_look(of_normal), residuals_ = error_look(of_residual);
-    std::vector<PixelColumn<RenderStrip>> columns_;
+    std::vector<PixelColumn<RenderBand>> columns_;
 };
 
 }  // namespace
@@ -205,9 +198,9 @@ PixelValue pixel_of(const measure::picture::Painted& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-pixel::ColumnFiles<RenderStrip> render_pictures(const RenderRequest& request, const map::RowGrid& grid,
-                                                const pixel::SceneFilesOptions& options) {
-    return {{.scene = *request.scene,
+pixel::ColumnFiles<RenderBand> render_pictures(const RenderRequest& request, const map::RowGrid& grid,
+                                               const pixel::SceneFilesOptions& options) {
+    return {{.scene = request.scene,
              .sheets = {{options.sheet(), sheet_spec(request, grid)}},
              .singles = options.folder_of_singles(),
              .stop = request.limit.stop},

@@ -14,6 +14,7 @@
 
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::plot {
 
@@ -37,16 +38,16 @@ struct Lacking {
     [[nodiscard]] std::vector<std::string> notes() const {
         std::vector<std::string> out;
         const auto add = [&](int count, const char* one, const char* many) {
-            if (count > 0) out.push_back(std::to_string(count) + (count == 1 ? one : many));
+            if (count > 0) out.push_back(scene::toml::counted(count, one, many));
         };
         if (infinite_y > 0) out.emplace_back("A triangle at the edge stands for an infinite value.");
-        add(off_scale_y, " value that is not positive has no place on the log axis and is not drawn.",
-            " values that are not positive have no place on the log axis and are not drawn.");
-        add(off_scale_x, " point whose parameter is not positive has no place on the log axis and is not drawn.",
-            " points whose parameter is not positive have no place on the log axis and are not drawn.");
-        add(infinite_x, " point with an infinite parameter is not drawn.",
-            " points with an infinite parameter are not drawn.");
-        add(marks, " mark lies outside the axis.", " marks lie outside the axis.");
+        add(off_scale_y, "value that is not positive has no place on the log axis and is not drawn.",
+            "values that are not positive have no place on the log axis and are not drawn.");
+        add(off_scale_x, "point whose parameter is not positive has no place on the log axis and is not drawn.",
+            "points whose parameter is not positive have no place on the log axis and are not drawn.");
+        add(infinite_x, "point with an infinite parameter is not drawn.",
+            "points with an infinite parameter are not drawn.");
+        add(marks, "mark lies outside the axis.", "marks lie outside the axis.");
         return out;
     }
 };
@@ -287,8 +288,8 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     if (spec.envelope) measured.count(*spec.envelope, lacking);
     std::vector<std::string> said = lacking.notes();
     if (lines.size() < spec.series.size())
-        said.push_back(fmt::format("{} line{} for {} series: those with the same values throughout share one.",
-                                   lines.size(), lines.size() == 1 ? "" : "s", spec.series.size()));
+        said.push_back(fmt::format("{} for {} series: those with the same values throughout share one.",
+                                   scene::toml::counted(lines.size(), "line"), spec.series.size()));
     said.insert(said.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading({}, said, content);
     const int foot =

@@ -7,6 +7,7 @@
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::plot {
 
@@ -182,10 +183,6 @@ AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x)
     return {axis, values};
 }
 
-std::string note(int count, const char* one, const char* many) {
-    return count == 0 ? std::string() : std::to_string(count) + (count == 1 ? one : many);
-}
-
 }  // namespace
 
 void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec) {
@@ -196,9 +193,10 @@ void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec
     const PlotAxes axes(x, y, content - 60, spec.height - 200);
     const auto lacking = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
-    const std::string absent =
-        note(lacking, " point has no value and is not drawn.", " points have no value and are not drawn.");
-    const std::vector<std::string> lines = absent.empty() ? std::vector<std::string>{} : std::vector{absent};
+    std::vector<std::string> lines;
+    if (lacking > 0)
+        lines.push_back(scene::toml::counted(lacking, "point has no value and is not drawn.",
+                                             "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, lines, content);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_room};

@@ -7,6 +7,7 @@
 
 #include "output/file/atomic_file.hpp"
 #include "output/map/row_names.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::speed {
 
@@ -110,9 +111,9 @@ std::string timed_in_words(const TradeRequest& request, const TradeResult& resul
                "varies.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
-        "Time per ray and solid: {} rays of the scene against {} of its solids. Measured in this run, "
+        "Time per ray and solid: {} of the scene against {} of its solids. Measured in this run, "
         "so it varies.\n",
-        timed.rays, timed.solids);
+        scene::toml::counted(timed.rays, "ray"), timed.solids);
 }
 
 KernelName name_of(const TradeKernel& kernel) {
@@ -181,12 +182,12 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
 /// Whose accuracy and whose time a picture shows.
 std::string shown_rays(const TradeRequest& request, const TradeResult& result, std::size_t set) {
     const auto& timed = result.times.front()[measure::speed::standing_load(request.loads)];
-    const std::string repeated =
-        fmt::format("median of {} interleaved repetitions, bars from quartile to quartile.", request.plan.repetitions);
+    const std::string repeated = fmt::format("median of {}, bars from quartile to quartile.",
+                                             scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
     const std::uint64_t judged = result.accuracy(set, 0).rays;
     if (request.scene)
-        return fmt::format("Accuracy: {} rays of the scene. Time: {} of its rays against {} of its solids; {}", judged,
-                           timed.rays, timed.solids, repeated);
+        return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its solids; {}",
+                           scene::toml::counted(judged, "ray"), timed.rays, timed.solids, repeated);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays as those of the set {}, {:.0f} KiB of them and "

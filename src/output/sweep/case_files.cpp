@@ -30,7 +30,7 @@ namespace {
 
 table::Table<CaseRow> case_table(const CaseRequest& request) {
     using R = CaseRow;
-    auto summary = map::summary_table(request.metrics, request.file->shapes());
+    auto summary = map::summary_table(request.metrics, request.file.shapes());
     summary.set_meaning("rays", "rays of the case");
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
@@ -44,7 +44,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer {}: half an ulp in each input "
              "would cost the rest), wrong_value, or the most frequent wrong decision",
-             right_means(*request.file), within_means(*request.file)),
+             right_means(request.file), within_means(request.file)),
          [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
     return table.add(summary, &R::summary);
 }
@@ -92,16 +92,16 @@ private:
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<FormSummary>>& cases, std::optional<intersect::Touching> judged) {
     const map::LostBitsScale scale(request.rows);
-    plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title,
-                                                            intersect::convention_name(judged))
-                                              : request.file->title,
-                              .subtitle = {fmt::format("Right: {}. {}.", right_means(*request.file), numbers_mean)},
-                              .groups = {},
-                              .rows = {},
-                              .cells = {},
-                              .legend = {{"right", case_right_colour, {}}},
-                              .scale = scale.bar(),
-                              .unit = scale.unit()};
+    plot::MatrixPlotSpec spec{
+        .title = judged ? fmt::format("{}: judged as {} solids", request.file.title, intersect::convention_name(judged))
+                        : request.file.title,
+        .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
+        .groups = {},
+        .rows = {},
+        .cells = {},
+        .legend = {{"right", case_right_colour, {}}},
+        .scale = scale.bar(),
+        .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
     for (const measure::evaluate::TestedForm& row : request.rows) {
         const std::string& format = row.format.name;
@@ -127,17 +127,17 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
     };
     bool any_wrong_value = false, any_within = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        spec.rows.push_back(request.file->name(i));
+        spec.rows.push_back(request.file.name(i));
         for (const std::size_t r : order) {
             const Verdict verdict =
-                measure::sweep::verdict_of(cases[i][r], request.metrics, request.file->right_within_bits);
+                measure::sweep::verdict_of(cases[i][r], request.metrics, request.file.right_within_bits);
             any_wrong_value |= verdict == Verdict::wrong_value;
             any_within |= verdict == Verdict::within_inputs;
             spec.cells.push_back(look(cases[i][r], verdict, request.rows[r].format.parameters));
         }
     }
     if (any_within) {
-        spec.legend.insert(spec.legend.begin() + 1, {within_means(*request.file), map::paler(scale.bar().at(0.5)), {}});
+        spec.legend.insert(spec.legend.begin() + 1, {within_means(request.file), map::paler(scale.bar().at(0.5)), {}});
     }
     if (!any_wrong_value && !any_within) spec.scale.reset();
     plot::write_matrix_plot(path, spec);
@@ -151,22 +151,22 @@ CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& fo
 
 void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        const std::string name = request_.file->name(i);
+        const std::string name = request_.file.name(i);
         const auto name_of_ray = [&](const measure::evaluate::WorstRay& ray) {
-            const std::int64_t place = std::int64_t{ray.group} * request_.file->rays_of(i) + ray.x;
+            const std::int64_t place = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
             return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", name, place));
         };
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             csv_.add({name,
-                      measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits),
+                      measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file.right_within_bits),
                       {request_.rows[r], &cases[i][r], name_of_ray}});
     }
-    for (const auto& judged : request_.file->conventions) {
+    for (const auto& judged : request_.file.conventions) {
         write_case_matrix(
             folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"),
             request_, cases, judged);
     }
-    table::close_tables(folder_, request_.file->title, csv_);
+    table::close_tables(folder_, request_.file.title, csv_);
 }
 
 }  // namespace lostbits::output::sweep

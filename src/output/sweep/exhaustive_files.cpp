@@ -10,6 +10,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -39,8 +40,8 @@ struct FloatsRow {
     }
     /// The command that explains the form on the ray at a float.
     [[nodiscard]] std::string explain(std::uint32_t place) const {
-        const scene::rays::RayGroup group = request.sweep->group_at(ray, float_at(place));
-        const std::string scene = request.sweep->mesh ? request.scene + " " : "";
+        const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(place));
+        const std::string scene = request.sweep.mesh ? request.scene + " " : "";
         return blame::explain_command(scene + blame::name_of_ray(&group), request.rows[row]);
     }
 
@@ -80,9 +81,9 @@ Table<FloatsRow> subject_columns() {
     table.add(
         table::subject_columns(), [](const R& r) -> const auto& { return r.request.rows[r.row]; });
     return table.add(
-        {{"ray", "string", "", "name of the ray", [](const R& r) { return r.request.sweep->rays[r.ray].name; }},
+        {{"ray", "string", "", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
          {"axis", "string", "", "the number that takes every float; numbers with a unit of their own are its values",
-          [](const R& r) { return r.request.sweep->axis.name; }}});
+          [](const R& r) { return r.request.sweep.axis.name; }}});
 }
 
 Table<FloatsRow> end_columns(const std::string& unit) {
@@ -100,7 +101,7 @@ table::TableColumn<FloatsRow> count_column() {
 Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcomes =
-        request.sweep->mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
+        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
     for (std::size_t o = 0; o < outcomes; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "integer", "", "floats with this outcome",
                    [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
@@ -161,7 +162,7 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
 }
 
 Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis.unit;
+    const std::string& unit = request.sweep.axis.unit;
     return subject_columns()
         .add({"binade", "string", "",
               "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart",
@@ -173,7 +174,7 @@ Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
 }
 
 Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis.unit;
+    const std::string& unit = request.sweep.axis.unit;
     return subject_columns()
         .add(end_columns(unit))
         .add(outcome_columns(request))
@@ -187,7 +188,7 @@ Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
 
 Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     using R = FloatEventRow;
-    const std::string& unit = request.sweep->axis.unit;
+    const std::string& unit = request.sweep.axis.unit;
     const auto value = [](std::uint32_t place) { return float_at(place); };
     Table<R> table;
     table.add(subject_columns().add(end_columns(unit)), &R::of);
@@ -233,9 +234,6 @@ std::string_view failure(Outcome o) {
     }
 }
 
-/// `1 float`, `2 floats`.
-std::string count_text(std::uint64_t n) { return fmt::format("{} float{}", n, n == 1 ? "" : "s"); }
-
 /// ` (12 crack, 3 double hit)`.
 std::string kinds_text(const FloatTally& tally) {
     std::vector<std::string> kinds;
@@ -258,11 +256,11 @@ std::string float_text(std::uint32_t place) {
 }  // namespace
 
 std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
-    const auto& sweep = *request.sweep;
+    const auto& sweep = request.sweep;
     const FloatTally& tally = f.tally;
     std::string text =
-        fmt::format("all {} between {} and {} were tried: {}", count_text(tally.floats()), float_text(f.floats.first),
-                    float_text(f.floats.last), request.rows[f.row].form->info->name);
+        fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
+                    float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
     if (const auto judged = request.rows[f.row].judged)
         text += fmt::format(", judged by the {} solid,", intersect::convention_name(judged));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
@@ -279,8 +277,9 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure(wrong.outcome))
                  : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
-    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}", count_text(tally.wrong()),
-                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
+    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}",
+                        scene::toml::counted(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
+                        float_text(tally.last_wrong->place));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
     return text;
@@ -294,9 +293,9 @@ ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::fi
       onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", onset_table(request)) {}
 
 void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
-    const auto binades = measure::sweep::binades_of(*request_.sweep);
+    const auto binades = measure::sweep::binades_of(request_.sweep);
     for (std::size_t row = 0; row < request_.rows.size(); ++row) {
-        for (std::size_t ray = 0; ray < request_.sweep->rays.size(); ++ray) {
+        for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
                 FloatsRow of{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
                 of.find_worst();
@@ -309,7 +308,7 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
 
 void ExhaustiveFiles::add_onsets(const RangeFinding& f) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
-        if (!request_.sweep->mesh && !is_of_one_solid(first_events[e])) continue;
+        if (!request_.sweep.mesh && !is_of_one_solid(first_events[e])) continue;
         const auto bad = f.tally.first[e];
         onsets_.add({{request_, f.ray, f.row, f.floats, f.tally}, e, bad, bad ? f.before(*bad) : std::nullopt});
     }
@@ -330,7 +329,7 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         plot::write_line_plot(folder_ / "lost_bits_max.png", plots->lost_bits);
         plot::write_line_plot(folder_ / "wrong.png", plots->wrong);
     }
-    table::close_tables(folder_, request_.sweep->title, binades_, onsets_, statements_);
+    table::close_tables(folder_, request_.sweep.title, binades_, onsets_, statements_);
 }
 
 }  // namespace lostbits::output::sweep

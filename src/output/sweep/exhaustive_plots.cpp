@@ -51,7 +51,7 @@ struct Half {
 class Drawn {
 public:
     Drawn(const ExhaustiveRequest& request, const ExhaustiveState& state)
-        : request_(request), state_(state), parts_(measure::sweep::binades_of(*request.sweep)) {
+        : request_(request), state_(state), parts_(measure::sweep::binades_of(request.sweep)) {
         for (const BinadePart& part : parts_) {
             if (!has_place(part)) {
                 lacks_ = true;
@@ -81,7 +81,7 @@ public:
     }
 
     [[nodiscard]] plot::AxisSpec axis() const {
-        const auto& axis = request_.sweep->axis;
+        const auto& axis = request_.sweep.axis;
         // Less than two octaves have too few powers of two for ticks.
         const bool few = sizes_.high < 4 * sizes_.low;
         return {axis.label + (below_ == 0   ? ""
@@ -91,8 +91,8 @@ public:
     }
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
-        std::vector<std::string> lines{request_.sweep->title, "every float of each binade was tried"};
-        if (const auto judged = request_.sweep->convention)
+        std::vector<std::string> lines{request_.sweep.title, "every float of each binade was tried"};
+        if (const auto judged = request_.sweep.convention)
             lines.front() += fmt::format(", judged by the {} solid", intersect::convention_name(judged));
         if (lacks_) lines.back() += "; zeros, infinities and NaN are in the tables alone";
         return lines;
@@ -101,7 +101,7 @@ public:
     [[nodiscard]] std::vector<Half> halves() const {
         std::vector<Half> all;
         for (std::size_t row = 0; row < request_.rows.size(); ++row) {
-            for (std::size_t ray = 0; ray < request_.sweep->rays.size(); ++ray) {
+            for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
                 if (above_ > 0) all.push_back({row, ray, false});
                 if (below_ > 0) all.push_back({row, ray, true});
             }
@@ -112,7 +112,7 @@ public:
 private:
     /// `signs`, `signs (half)`, `signs (half, x < 0)`.
     [[nodiscard]] std::string label(const Half& half) const {
-        const auto& sweep = *request_.sweep;
+        const auto& sweep = request_.sweep;
         std::string of = sweep.rays.size() > 1 ? sweep.rays[half.ray].name : "";
         if (below_ > 0 && above_ > 0)
             of += fmt::format("{}{} {} 0", of.empty() ? "" : ", ", sweep.axis.name, half.negative ? '<' : '>');

@@ -23,7 +23,7 @@ Table<AtStep<Known>> along_axes(const SweepRequest& request, const Table<Known>&
     using R = AtStep<Known>;
     Table<R> table;
     std::size_t place = 0;
-    for (const scene::sweep::Axis& axis : request.sweep->axes)
+    for (const scene::sweep::Axis& axis : request.sweep.axes)
         table.add_exact({axis.name, "number", axis.unit, "value of the axis",
                          [k = place++](const R& r) { return r.step->values[k]; }});
     return table.add(columns, &R::known);
@@ -35,7 +35,7 @@ constexpr const char* views_meaning =
 }  // namespace
 
 Table<SampleRow> sample_table(const SweepRequest& request) {
-    auto summary = map::summary_table(request.metrics, request.sweep->shapes(), request.sweep->has_mesh());
+    auto summary = map::summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
     // A sweep's rays have no picture: the place of the worst is its number in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a family");
@@ -53,7 +53,7 @@ std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vecto
 
 Table<Onset> onset_table(const SweepRequest& request) {
     using R = Onset;
-    const scene::sweep::Axis& axis = request.sweep->axes.front();
+    const scene::sweep::Axis& axis = request.sweep.axes.front();
     const auto is_good = [](const R& r) { return r.found && !r.from_start; };
     const auto is_bad_again = [](const R& r) { return r.recovers && !r.good_at_end; };
     const table::CellOf<R> last_good = [=](const R&r) { return when(is_good(r), r.last_good); },
@@ -122,7 +122,7 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
         std::set<std::string> names;
         for (const file::Column& column : columns) {
             if (names.insert(column.name).second) continue;
-            const auto& axes = request.sweep->axes;
+            const auto& axes = request.sweep.axes;
             const auto at = std::ranges::find_if(
                 axes, [&column](const auto& axis) { return column.name.find(axis.name) != std::string::npos; });
             if (at == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
@@ -138,7 +138,7 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
       folder_(folder),
       samples_(folder, "samples.csv", "One row per form, format and step", sample_table(request)) {
     // An onset is a place on one axis.
-    if (request.sweep->axes.size() == 1)
+    if (request.sweep.axes.size() == 1)
         onsets_.emplace(folder, "onsets.csv", "One row per form, format, event, threshold and end of the axis",
                         onset_table(request));
     if (map::asks_for_culprits(request.metrics))
@@ -153,7 +153,7 @@ void SweepFiles::finish(const std::vector<SweepStep>& steps, const std::vector<O
         for (const SweepStep& step : steps)
             for (const auto& culprit : map::culprits_of(request_.metrics, request_.rows[r], step.rows[r]))
                 culprits_->add({&step, culprit});
-    table::close_tables(folder_, request_.sweep->title, samples_, onsets_, culprits_);
+    table::close_tables(folder_, request_.sweep.title, samples_, onsets_, culprits_);
 }
 
 }  // namespace lostbits::output::sweep

@@ -54,9 +54,9 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     spec.height = static_cast<int>(plane.y.size());
     const auto layers = layers_of(request);
     for (const Layer& layer : layers) spec.channels.push_back({layer.name, image::Channel::Type::f32});
-    const auto& axes = request.sweep->axes;
+    const auto& axes = request.sweep.axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
-                       {"lostbits:sweep", request.sweep->id},
+                       {"lostbits:sweep", request.sweep.id},
                        {"lostbits:form", std::string(row.form->info->name)},
                        {"lostbits:format", row.format.name},
                        {"lostbits:x", axes[0].name},
@@ -77,8 +77,8 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
 }  // namespace
 
 SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps)
-    : x(request.sweep->axes[0].values),
-      y(request.sweep->axes[1].values),
+    : x(request.sweep.axes[0].values),
+      y(request.sweep.axes[1].values),
       steps_(steps),
       x_falls_(x.front() > x.back()),
       y_falls_(y.front() > y.back()) {
@@ -93,14 +93,14 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
 
 void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
                          const std::vector<SweepStep>& steps, std::size_t row) {
-    const auto& axes = request.sweep->axes;
+    const auto& axes = request.sweep.axes;
     const TestedForm& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
                       excess = measure::metric::place_of(request.metrics, "excess_bits");
     const SweepGrid plane(request, steps);
     plot::PlanePlotSpec spec{
         .title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
-        .subtitle = {request.sweep->title},
+        .subtitle = {request.sweep.title},
         .x_axis = plot_axis(axes[0]),
         .y_axis = plot_axis(axes[1]),
         .x = plane.x,

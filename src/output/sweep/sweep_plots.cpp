@@ -13,6 +13,7 @@
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -67,14 +68,14 @@ bool marches(const TestedForm& row) { return !is_solid(row.form->shape); }
 /// How many rays a step has, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& any = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep->is_drawn()) return fmt::format("{} rays per step", any.rays);
-    if (any.views == any.rays) return fmt::format("{} independent rays per step", any.rays);
-    return fmt::format("{} rays per step, of {} independent views", any.rays, any.views);
+    if (!sweep.request.sweep.is_drawn()) return scene::toml::counted(any.rays, "ray") + " per step";
+    if (any.views == any.rays) return scene::toml::counted(any.rays, "independent ray") + " per step";
+    return fmt::format("{} rays per step, of {}", any.rays, scene::toml::counted(any.views, "independent view"));
 }
 
 /// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
-    const scene::sweep::SweepFile& file = *sweep.request.sweep;
+    const scene::sweep::SweepFile& file = sweep.request.sweep;
     return {.title = title,
             .subtitle = {file.title, rays_text(sweep)},
             .x = plot_axis(file.axes.front()),
@@ -108,7 +109,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         return plot::write_line_plot(path, spec);
     }
     shade_and_note(spec, sweep, format, quantity.over_hits);
-    for (const auto& mark : request.sweep->marks) {
+    for (const auto& mark : request.sweep.marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto measured = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
@@ -213,7 +214,7 @@ void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sw
             if (o.found && !o.from_start && o.row == r && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
-    for (const auto& mark : request.sweep->marks) {
+    for (const auto& mark : request.sweep.marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
     plot::write_line_plot(path, spec);
@@ -293,7 +294,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
             std::span(order).subspan(k, 1));
     }
     if (named < order.size())
-        add(fmt::format("{} other operations", order.size() - named), std::span(order).subspan(named));
+        add(scene::toml::counted(order.size() - named, "other operation"), std::span(order).subspan(named));
     plot::write_line_plot(path, spec);
 }
 
@@ -309,7 +310,7 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
 
 void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep) {
     const SweepRequest& request = sweep.request;
-    if (request.sweep->axes.size() == 2) {
+    if (request.sweep.axes.size() == 2) {
         for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(folder, request, sweep.steps, row);
         return;
     }

@@ -53,7 +53,7 @@ std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const Floa
 }
 
 void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
-    if (const auto part = too_far(*sweep.request.sweep, format.parameters)) {
+    if (const auto part = too_far(sweep.request.sweep, format.parameters)) {
         // In place: of a moved temporary gcc 12 warns without cause.
         plot::PlotShade& shade = spec.shades.emplace_back();
         shade.from = part->from;

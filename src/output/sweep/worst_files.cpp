@@ -10,6 +10,7 @@
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/table/shared_columns.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -222,7 +223,8 @@ std::string NearestFiles::sentence(std::size_t r) const {
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
                                       what, found[r].rays.at(k), nearest->distance)
-                        : fmt::format("{} no {} among {} rays", k > 0 ? "," : "", what, found[r].rays.at(k));
+                        : fmt::format("{} no {} among {}", k > 0 ? "," : "", what,
+                                      scene::toml::counted(found[r].rays.at(k), "ray"));
     }
     return text;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "number/error.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -41,24 +42,25 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
         fail_short(whole, bytes - (lie_.apart ? 0 : whole * lie_.record_size));
     if (records_ && bytes > *records_ * lie_.record_size)
         throw InputError(
-            fmt::format("{}: byte {}: {} bytes follow the last of the {} records that the header names; is "
+            fmt::format("{}: byte {}: {} the last of the {} that the header names; is "
                         "it one array, written whole?",
-                        source_.name(), lie_.begin + *records_ * lie_.record_size, bytes - *records_ * lie_.record_size,
-                        *records_));
+                        source_.name(), lie_.begin + *records_ * lie_.record_size,
+                        toml::counted(bytes - *records_ * lie_.record_size, "byte follows", "bytes follow"),
+                        toml::counted(*records_, "record")));
     if (!records_) records_ = whole;
 }
 
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
     if (lie_.apart)
-        throw InputError(
-            fmt::format("{}: has {} bytes of numbers where its header names {} records of {} bytes each; it "
-                        "was cut short, write it again",
-                        source_.name(), bytes, *lie_.records, lie_.record_size));
+        throw InputError(fmt::format(
+            "{}: has {} of numbers where its header names {} of {} bytes each; it "
+            "was cut short, write it again",
+            source_.name(), toml::counted(bytes, "byte"), toml::counted(*lie_.records, "record"), lie_.record_size));
     throw InputError(
         fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are not "
                     "these: look at their names and types",
                     source_.name(), record + 1, bytes, lie_.record_size,
-                    lie_.records ? fmt::format(", and the header names {} records", *lie_.records) : ""));
+                    lie_.records ? ", and the header names " + toml::counted(*lie_.records, "record") : ""));
 }
 
 bool BinaryDump::next(std::size_t most, Records& records) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "number/error.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -249,9 +250,9 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWrit
     }
     if (c != columns.size())
         throw InputError(
-            fmt::format("{}: has {} cell{} where there are {} columns; every record has one for each, empty "
+            fmt::format("{}: has {} where there are {} columns; every record has one for each, empty "
                         "where it has nothing to say{}",
-                        place(number, 0), c, c == 1 ? "" : "s", columns.size(),
+                        place(number, 0), toml::counted(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
     writer.end_record([&](std::size_t s) { return place(number, begins[s]); });
 }

@@ -5,6 +5,7 @@
 
 #include "number/error.hpp"
 #include "scene/dump/binary_dump.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -239,18 +240,17 @@ Lie read_npy(ByteSource& source, const DumpOptions& options) {
         const ItemType type = type_of(header.fields.front().type, "", file);
         if (rays.size() < 2)
             throw InputError(
-                fmt::format("{}: has {} axes; rays are an array of n rows and k columns, or of records with "
-                            "named fields",
-                            file, rays.size()));
+                fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
+                            file, toml::counted(rays.size(), "axis", "axes")));
         if (options.columns.empty())
-            throw InputError(fmt::format(
-                "{}: has {} columns without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file, rays.back()));
+            throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
+                                         toml::counted(rays.back(), "column")));
         const auto names = names_in(options.columns);
         if (names.size() != rays.back())
             throw InputError(
-                fmt::format("{}: has {} columns, and --columns names {}; write _ for each that is to be "
+                fmt::format("{}: has {}, and --columns names {}; write _ for each that is to be "
                             "passed over",
-                            file, rays.back(), names.size()));
+                            file, toml::counted(rays.back(), "column"), names.size()));
         rays.pop_back();
         for (const std::string& name : names) array.columns.push_back({name, type, 0});
     }

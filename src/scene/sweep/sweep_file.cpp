@@ -11,6 +11,7 @@
 #include "scene/rays/solid_list.hpp"
 #include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 #include "scene/toml/round.hpp"
 
@@ -183,10 +184,9 @@ void SweepFile::change(const SweepChanges& changes) {
     if (changes.steps.empty()) return;
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
-        throw InputError(
-            fmt::format("{}: --steps gives {} numbers, and the sweep has {} [[axis]] table{}; give one "
-                        "for all, or one each",
-                        name, changes.steps.size(), axes_tables.size(), axes_tables.size() == 1 ? "" : "s"));
+        throw InputError(fmt::format("{}: --steps gives {}, and the sweep has {}; give one for all, or one each", name,
+                                     toml::counted(changes.steps.size(), "number"),
+                                     toml::counted(axes_tables.size(), "[[axis]] table")));
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
             throw InputError(name +

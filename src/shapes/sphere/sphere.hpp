@@ -72,11 +72,7 @@ struct Sphere {
         return !(f2 > radius * radius * (1 + 0x1p-40) && f2 > 0x1p-900);
     }
     /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
-    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Vec<T> f = p - centre;
-        const T size = length(f);
-        return {f.x / size, f.y / size, f.z / size};
-    }
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const { return unit_of(Vec<T>(p - centre)); }
     /// The point of a ray put onto the surface: G + f (r/|f|) with f = p − G.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;

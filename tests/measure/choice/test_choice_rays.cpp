@@ -318,7 +318,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     CHECK(safe->outside.front().operations == 0);  // the solid is not asked, at the least
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetRequest request{
-        .scene = &scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};
+        .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};
     const auto all = measure::offset::safe_strategies(measure::offset::run_offsets(request).front(), request.strategies,
                                                       Shape::sphere);
     REQUIRE(safe->both.size() == all.size());

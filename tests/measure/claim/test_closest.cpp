@@ -1,6 +1,6 @@
 // Boxes one after another, with and without the closest t so far as the end of the ray.
 #include "catch.hpp"
-#include "measure/claim/claim_tables.hpp"
+#include "measure/claim/claim_subjects.hpp"
 #include "number/error.hpp"
 
 namespace test_closest {

@@ -90,12 +90,6 @@ TEST_CASE("every verdict but of a sentence that describes a number follows from 
     CHECK(describing < 20);
 }
 
-TEST_CASE("words of all cases are found as words") {
-    CHECK(universal_word("Two ulps are Always enough") == "Always");
-    CHECK(universal_word("by at most 6u") == "at most");
-    CHECK(universal_word("Neverland has an allowance and a knot").empty());
-}
-
 TEST_CASE("a counterexample refutes") {
     const lostbits::test::Scratch folder;
     const auto claim = [&](const std::string& verdict) {
@@ -119,26 +113,12 @@ in = [0, 0]
     CHECK_THROWS_AS(scene::claim::read_claims(claim("holds")), InputError);
 }
 
-TEST_CASE("a sample is one in words") {
-    CHECK(tells_of_a_sample("None of 1,024 rays is missed"));
-    CHECK(tells_of_a_sample("Of the 65536 pixels none is"));
-    CHECK(tells_of_a_sample("No random ray is lost"));
-    CHECK(tells_of_a_sample("A sample proves nothing"));
-    CHECK_FALSE(tells_of_a_sample("No ray is lost at 4096 radii, and none is randomly hit"));
-}
-
-TEST_CASE("a claim about a search measures the worst ray that it finds, and in how many evaluations") {
+TEST_CASE("a claim about a search is about the worst ray that it finds") {
     std::vector<Claim> claims;
     for (Claim& claim : all_claims()) {
         if (claim.id == "stability.slabs-search") claims.push_back(std::move(claim));
     }
     REQUIRE(claims.size() == 1);
-    const auto results = measure::claim::measure_claims(claims, {.data_dir = LOSTBITS_DATA_DIR});
-    CHECK(results[0].state == measure::claim::ClaimResult::State::agrees);
-    CHECK(results[0].measured > 1.25);
-    CHECK(results[0].measured < 2);
-    CHECK(results[0].evaluations == 16 * 48 * 32);
-    CHECK(results[0].witness.given != nullptr);
     claims[0].metric = "lost_bits_max";
     CHECK_THROWS_AS(measure::claim::measure_claims(claims, {.data_dir = LOSTBITS_DATA_DIR}), InputError);
 }

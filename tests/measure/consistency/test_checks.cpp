@@ -177,21 +177,4 @@ TEST_CASE("a chord from either end: against 256 bits, where the ends are not qui
     CHECK(largest > 2);  // the inputs alone put the ends further apart than any rounding of t
 }
 
-TEST_CASE("how two decisions stand to each other", "[measure][consistency]") {
-    for (const bool a : {false, true}) {
-        for (const bool b : {false, true}) {
-            for (const bool exact_a : {false, true}) {
-                for (const bool exact_b : {false, true}) {
-                    const Accord how = accord_of(a, b, exact_a, exact_b);
-                    CHECK((how == Accord::agree) == (a == b));
-                    if (a == b) continue;
-                    CHECK((how == Accord::by_inputs) == (a == exact_a && b == exact_b));
-                    CHECK(is_disagreement(how) == !(a == exact_a && b == exact_b));
-                    if (is_disagreement(how)) CHECK((how == Accord::first_alone) == a);
-                }
-            }
-        }
-    }
-}
-
 }  // namespace test_checks

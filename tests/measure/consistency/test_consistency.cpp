@@ -27,7 +27,7 @@ const Check* named(std::string_view name) {
 
 std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                            std::vector<const Check*> among = all_checks()) {
-    return run_consistency({.scene = &scene, .rows = std::move(rows), .checks = std::move(among)});
+    return run_consistency({.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
 }
 
 /// Of one check of one row.
@@ -180,8 +180,8 @@ TEST_CASE("consistency: only checks that can be asked are", "[measure][consisten
     CHECK(names("triangle-edge.plain", "triangle.moller_trumbore_culling") ==
           Names{"beyond", "end", "before", "segment", "short", "packs", "placed"});
     CHECK(names("offset-touching", "sphere.half_b").size() == checks().size());
-    CHECK_THROWS_AS(consistency_value(CheckSummary(), "disagree", "x"), InputError);
-    CHECK(std::isnan(consistency_value(CheckSummary(), "disagree_fraction", "x")));
+    CHECK_THROWS_AS(column_named(consistency_columns(), "disagree", "x"), InputError);
+    CHECK(std::isnan(column_named(consistency_columns(), "disagree_fraction", "x").value(CheckSummary())));
 }
 
 }  // namespace test_consistency

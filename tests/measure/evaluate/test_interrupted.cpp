@@ -101,15 +101,15 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map",
          [&] { m::evaluate::evaluate_rows({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
-        {"needed", [&] { m::evaluate::run_needed({.scene = &scene, .forms = {row.form}, .limit = limit}, {}); }},
+        {"needed", [&] { m::evaluate::run_needed({.scene = scene, .forms = {row.form}, .limit = limit}); }},
         {"render",
          [&] {
              m::picture::run_render(
-                 {.scene = &scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
+                 {.scene = scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
          }},
         {"offsets",
          [&] {
-             m::offset::run_offsets({.scene = &scene,
+             m::offset::run_offsets({.scene = scene,
                                      .rows = {{row, m::offset::HitPoint::computed}},
                                      .strategies = m::offset::all_strategies(),
                                      .limit = limit});
@@ -117,11 +117,11 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
         {"consistency",
          [&] {
              m::consistency::run_consistency(
-                 {.scene = &scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
+                 {.scene = scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
          }},
-        {"sweep", [&] { m::sweep::run_sweep({.sweep = &sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"cases", [&] { m::sweep::run_cases({.file = &cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
-        {"every float", [&] { m::sweep::run_exhaustive({.sweep = &floats, .rows = rows, .limit = limit}, state); }},
+        {"sweep", [&] { m::sweep::run_sweep({.sweep = sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"cases", [&] { m::sweep::run_cases({.file = cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"every float", [&] { m::sweep::run_exhaustive({.sweep = floats, .rows = rows, .limit = limit}, state); }},
         {"search", [&] { m::sweep::find_worst({.search = search, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"judge",
          [&] {

@@ -7,7 +7,6 @@
 #include "measure/blame/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/stability/stability.hpp"
-#include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::test::test_predictions {
 
@@ -194,39 +193,9 @@ TEST_CASE("an error is held against the root of the sum of squares", "[metric]")
     CHECK(Explained(sum_of(1, ulp), floats).metric("statistical_ratio") == 0);
 }
 
-TEST_CASE("predictions are of what is recorded, and no more than three runs and one error say", "[metric]") {
+TEST_CASE("predictions are of what is recorded", "[metric]") {
     CHECK(std::isnan(measure::metric::find_metric("cestac_decision")->value({.format = &floats})));
     CHECK(std::isnan(measure::metric::find_metric("statistical_ratio")->value({.format = &floats})));
-    int told = 0, beyond = 0;
-    for (const auto& form : intersect::table::catalogue()) {
-        if (!form.exists_in(floats) || form.shape == Shape::sdf) continue;
-        Random random(2028);
-        for (int i = 0; i < 8; ++i) {
-            const Setting s = draw_setting(random, form, floats, 4);
-            Tape recorded;
-            form.record(floats, s.ray, s.target(form), HUGE_VAL, recorded);
-            if (recorded[recorded.outputs.hit].value == 0) continue;
-            const Explained ray(std::move(recorded), floats);
-            if (ray.attribution.subject != ray.tape.outputs.t || !(ray.blame.ulp > 0)) continue;
-            INFO(form.info->name << ", ray " << i);
-            const RandomRuns runs(ray.tape);
-            const double bits = ray.metric("cestac_bits");
-            if (runs.hit != std::array{true, true, true}) {
-                CHECK(std::isnan(bits));
-                continue;
-            }
-            ++told;
-            CHECK((bits >= 0 && bits <= 24));
-            const double exact = ray.attribution.of[static_cast<std::size_t>(ray.tape.outputs.t)].exact;
-            const double has = 24 - measure::truth::lost_bits((runs.mean() - exact) / ray.blame.ulp, 24);
-            CHECK(ray.metric("cestac_error") == Approx(bits - has).margin(1e-3));
-            beyond += ray.metric("cestac_error") > 1;
-            const double ratio = ray.metric("statistical_ratio"), error = std::fabs(ray.attribution.error);
-            CHECK(ratio * measure::stability::statistical_bound(ray.tape, ray.attribution) == Approx(error));
-        }
-    }
-    CHECK(told > 200);
-    CHECK(beyond > 0);
 }
 
 }  // namespace lostbits::test::test_predictions

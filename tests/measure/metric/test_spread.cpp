@@ -1,4 +1,4 @@
-// What draws come to, and the interval that a claim takes from them.
+// How many hits a quantile stands for; what draws come to, and the interval that a claim takes from them.
 #include "measure/metric/statistics.hpp"
 
 #include "catch.hpp"
@@ -8,6 +8,7 @@ namespace test_spread {
 
 using namespace lostbits;
 using namespace lostbits::measure;
+using metric::Agreement;
 
 namespace {
 
@@ -58,6 +59,27 @@ TEST_CASE("a claim's interval is the range of its draws and half as much on eith
     const auto [low, high] = interval(claim_about("", "lost_bits"), 1024, {1024});
     CHECK(low == Approx(1022));
     CHECK(high == 1026);
+}
+
+TEST_CASE("a quantile stands for a form from a tenth of the true hits on") {
+    CHECK(Agreement{10, 100}.is_enough());
+    CHECK_FALSE(Agreement{9, 100}.is_enough());
+    CHECK(Agreement{100, 100}.is_enough());
+    CHECK(Agreement{1, 10}.is_enough());
+    CHECK_FALSE(Agreement{1, 11}.is_enough());
+    // No hit at all is never enough, neither where there is none to find.
+    CHECK_FALSE(Agreement{0, 0}.is_enough());
+    CHECK_FALSE(Agreement{0, 5}.is_enough());
+    CHECK(std::isnan(Agreement{0, 0}.share()));
+    CHECK(Agreement{1, 4}.share() == 0.25);
+}
+
+TEST_CASE("the hits behind a quantile are counted in words") {
+    CHECK(Agreement{6860, 25600}.of_agreed_hits() == "of 6860 agreed hits");
+    CHECK(Agreement{1, 3}.of_agreed_hits() == "of 1 agreed hit");
+    CHECK(Agreement{55, 16384}.too_few() == "55 of 16384 hits agree");
+    CHECK(Agreement{1, 1024}.too_few() == "1 of 1024 hits agrees");
+    CHECK(Agreement{0, 1}.too_few() == "0 of 1 hit agree");
 }
 
 }  // namespace test_spread

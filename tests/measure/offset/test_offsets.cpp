@@ -38,10 +38,21 @@ Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
     return o;
 }
 
+/// Of a float offset, by rationals.
+bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t k, Side side, double e) {
+    const PointWork::Start start = work.start(points.met[k]).value();
+    for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
+        const Ray<double> ray{moved_in_float(start, side, e), r.ray.direction};
+        const auto exact = testing::exact_meeting({ray, 0}, points.solids[points.met[k].own]);
+        if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
-TEST_CASE("the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
-    int found = 0, none_needed = 0;
+TEST_CASE("the smallest safe offset is safe and the float below it is not, by rationals too", "[measure][offset]") {
+    int found = 0, none_needed = 0, by_rationals = 0;
     for (const auto& [scene, form] : scenes) {
         for (const char* format : {"f32", "f64", "p14"}) {
             if (!testing::form_named(form).exists_in(*find_format(format))) continue;
@@ -65,10 +76,13 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
                                 continue;
                             }
                             ++found;
-                            const auto place = measure::truth::ordinal(e, points.of.format.parameters);
-                            REQUIRE_FALSE(work.is_safe(
-                                points.met[k], side, measure::truth::number_at(place - 1, points.of.format.parameters),
-                                by_form));
+                            const FloatFormat& f = points.of.format.parameters;
+                            const double below = measure::truth::number_at(measure::truth::ordinal(e, f) - 1, f);
+                            REQUIRE_FALSE(work.is_safe(points.met[k], side, below, by_form));
+                            if (by_form || f != binary32) continue;
+                            ++by_rationals;
+                            CHECK(is_truly_safe(work, points, k, side, e));
+                            CHECK_FALSE(is_truly_safe(work, points, k, side, below));
                         }
                         // What is quiet is safe, and a place that is safe from 0 on needs nothing.
                         if (s.quiet == 0) CHECK(s.safe == 0);
@@ -80,68 +94,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
     }
     CHECK(found > 300);
     CHECK(none_needed > 100);
-}
-
-TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardly any is not", "[measure][offset]") {
-    int below = 0, safe_below = 0, above = 0, unsafe_above = 0;
-    for (const auto& [scene, form] : scenes) {
-        const ScenePoints points(scene, form, "f32");
-        const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::projected, points.solids, std::nullopt, strategies);
-        for (std::size_t k = 0; k < points.met.size(); k += 3) {
-            std::array<SideOfPoint, 2> sides;
-            std::vector<StrategyAtPoint> at(2 * strategies.size());
-            if (!work.measure(points.met[k], sides, at)) continue;
-            const double e = sides[0].safe;
-            if (!(e > 0) || !std::isfinite(e)) continue;
-            const std::int64_t place = measure::truth::ordinal(e, binary32);
-            for (std::int64_t step = 1; step < (std::int64_t{1} << 25); step *= 8) {
-                below += 1;
-                safe_below += work.is_safe(points.met[k], Side::outside,
-                                           measure::truth::number_at(place - step, binary32), false);
-                above += 1;
-                unsafe_above += !work.is_safe(points.met[k], Side::outside,
-                                              measure::truth::number_at(place + step, binary32), false);
-            }
-        }
-    }
-    CAPTURE(below, safe_below, above, unsafe_above);
-    CHECK(below > 500);
-    CHECK(safe_below * 100 < below);
-    CHECK(unsafe_above * 100 < above);
-}
-
-TEST_CASE("rationals agree that the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
-    int checked = 0;
-    for (const auto& [scene, form] : scenes) {
-        const ScenePoints points(scene, form, "f32");
-        const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
-        for (std::size_t k = 0; k < points.met.size(); k += 5) {
-            const MetPoint& met = points.met[k];
-            std::array<SideOfPoint, 2> sides;
-            std::vector<StrategyAtPoint> at(2 * strategies.size());
-            if (!work.measure(met, sides, at)) continue;
-            const auto start = work.start(met).value();
-            for (const Side side : both_sides) {
-                const double e = sides[static_cast<std::size_t>(side)].safe;
-                if (!std::isfinite(e) || e == 0) continue;
-                const auto is_safe = [&](double offset) {
-                    for (const NewRay& r : work.rays(met, *strategies.front(), side)) {
-                        const Ray<double> ray{moved_in_float(start, side, offset), r.ray.direction};
-                        const auto exact = testing::exact_meeting({ray, 0}, points.solids[met.own]);
-                        if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
-                    }
-                    return true;
-                };
-                CAPTURE(scene, k, name_of(side), e);
-                CHECK(is_safe(e));
-                CHECK_FALSE(is_safe(std::nextafter(static_cast<float>(e), 0.0F)));
-                ++checked;
-            }
-        }
-    }
-    CHECK(checked > 60);
+    CHECK(by_rationals > 60);
 }
 
 TEST_CASE("faults of respawned rays are those that rationals find", "[measure][offset]") {
@@ -178,7 +131,7 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
 TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
-    const OffsetRequest request{.scene = &scene, .rows = {of}, .strategies = all_strategies()};
+    const OffsetRequest request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
     const auto both = safe_strategies(summary, request.strategies, Shape::sphere);

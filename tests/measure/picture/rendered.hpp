@@ -30,16 +30,15 @@ inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std:
 }
 
 /// Everything that a run hands out.
-struct Collected final : measure::picture::RenderSink {
+struct Collected {
     explicit Collected(const measure::picture::RenderRequest& request)
         : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
         for (auto& p : pictures) p.resize(request.stages.size());
-        summaries = measure::picture::run_render(request, this);
+        summaries = measure::picture::run_render(
+            request, [this](std::size_t row, const measure::picture::RenderBand& band) { add(row, band); });
     }
-    void reference(int, int, std::span<const measure::picture::TruePixel> band) override {
-        truth.insert(truth.end(), band.begin(), band.end());
-    }
-    void row(std::size_t r, const measure::picture::RenderBand& band) override {
+    void add(std::size_t r, const measure::picture::RenderBand& band) {
+        if (r == 0) truth.insert(truth.end(), band.truth.begin(), band.truth.end());
         for (std::size_t s = 0; s < band.painted.size(); ++s)
             pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
         shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());

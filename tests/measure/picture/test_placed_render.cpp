@@ -11,7 +11,7 @@ using namespace lostbits::testing;
 
 TEST_CASE("spheres under matrices are painted as those whose numbers stand where they are, mirrored or not") {
     const scene::file::Scene bare = load("raycast-course.pixels", 48, 48);
-    const Collected plain({.scene = &bare, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
+    const Collected plain({.scene = bare, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
     const auto& form = *rows_of({"f64"}, "sphere.unified").front().form;
     for (const int mirror : {1, -1}) {
         scene::file::Scene placed = bare;
@@ -26,7 +26,7 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
             CAPTURE(mirror, space);
             const auto& row = intersect::space::through(*intersect::space::find_space(space), form);
             const Collected found(
-                {.scene = &placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
+                {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
             for (std::size_t i = 0; i < found.truth.size(); ++i) {
                 REQUIRE(found.truth[i].has_normal == plain.truth[i].has_normal);
@@ -58,7 +58,7 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
     const auto& form = intersect::space::through(*intersect::space::find_space("relative"),
                                                  *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
-        {.scene = &scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
+        {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     std::size_t normals = 0;
     for (std::size_t i = 0; i < found.truth.size(); ++i) {

@@ -1,15 +1,12 @@
-// The shading formulas by hand, and their enclosures around the same in 256 bits.
+// The shading formulas by hand.
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "catch.hpp"
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/picture/shade.hpp"
 #include "measure/rows.hpp"
-#include "number/ball.hpp"
-#include "number/interval.hpp"
 
 namespace test_shade {
 
@@ -26,27 +23,6 @@ Vec<T> vec(double x, double y, double z) {
 const ShadeRule everything{.diffuse = true, .shadows = true, .phong = true, .half_diffuse = false};
 
 Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
-
-bool contains(const Ball& b, const Real& x) { return abs(x - Real(b.hi()) - Real(b.lo())) <= Real(b.radius()); }
-bool contains(const Interval& b, const Real& x) {
-    return mpfr_cmp(b.lower(), x.backend().data()) <= 0 && mpfr_cmp(x.backend().data(), b.upper()) <= 0;
-}
-
-template <class T>
-Vec<T> shade_random(std::mt19937_64& engine, const ShadeRule& rule, bool shadowed) {
-    const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
-    const auto point = [&] {
-        const double x = 4 * unit() - 2, y = 4 * unit() - 2,
-                     z = 4 * unit() - 2;  // one draw a statement: their order is fixed
-        return vec<T>(x, y, z);
-    };
-    const Vec<T> colour = point(), p = point(), light = point(), eye = point();
-    const Sphere<T> sphere{point(), T(unit() + 0.5)};
-    const T ka(unit()), kd(unit()), ks(unit());
-    const Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
-    return shade<T>(paint, rule, mask_t<T>(shadowed),
-                    {normal_at<T>(p, sphere), unit_of<T>(light - p), unit_of<T>(eye - p)});
-}
 
 }  // namespace
 
@@ -91,30 +67,6 @@ TEST_CASE("a shadow ray starts at the point, an epsilon off, or ulps of the larg
     CHECK(shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
     CHECK(shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
     CHECK(shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
-}
-
-TEST_CASE("enclosures of a shaded colour hold the colour in 256 bits") {
-    for (int seed = 0; seed < 400; ++seed) {
-        ShadeRule rule = everything;
-        rule.half_diffuse = seed % 3 == 0;
-        rule.phong = seed % 5 != 0;
-        const auto with = [&]<class T>() {
-            std::mt19937_64 engine(static_cast<std::uint64_t>(seed));
-            return shade_random<T>(engine, rule, seed % 2 == 0);
-        };
-        const auto exact = with.template operator()<Real>();
-        const auto ball = with.template operator()<Ball>();
-        const Interval::Precision precision(160);
-        const auto interval = with.template operator()<Interval>();
-        const auto rough = with.template operator()<double>();
-        for (int k = 0; k < 3; ++k) {
-            CAPTURE(seed, k);
-            CHECK(contains(interval[k], exact[k]));
-            CHECK(contains(ball[k], exact[k]));
-            CHECK(ball[k].is_bounded());
-            CHECK(rough[k] == Approx(static_cast<double>(exact[k])).epsilon(1e-9).margin(1e-12));
-        }
-    }
 }
 
 TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "catch.hpp"
 #include "intersect/simd/variants.hpp"
@@ -161,23 +160,6 @@ TEST_CASE("rays of a scene are taken evenly over it, and held against the solids
     measure::speed::SceneWork missing(away);
     CHECK(missing.hit_rate() == 0);
     CHECK(missing.solids() == 1);
-}
-
-TEST_CASE("the sets of rays are always the same and have names of their own", "[trade]") {
-    for (const Shape shape : {Shape::sphere, Shape::box}) {
-        std::set<std::string_view> names;
-        for (const measure::speed::RaySet& set : measure::speed::ray_sets(shape)) {
-            names.insert(set.name);
-            const auto one = set.groups(), two = set.groups();
-            REQUIRE(one.size() == two.size());
-            for (std::size_t i = 0; i < one.size(); ++i) {
-                CHECK(one[i].rays.dx == two[i].rays.dx);
-                CHECK(one[i].solids.front().shape == shape);
-            }
-        }
-        CHECK(names.size() == measure::speed::ray_sets(shape).size());
-        CHECK(measure::speed::ray_sets(shape).front().name == "easy");
-    }
 }
 
 TEST_CASE("a kernel for every row, width and variant", "[trade]") {

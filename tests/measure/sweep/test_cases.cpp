@@ -68,7 +68,7 @@ TEST_CASE("verdicts that follow by hand") {
     const TextFile text(head + by_hand);
     const scene::sweep::CaseFile file(text.path());
     const measure::sweep::CaseRequest request{
-        .file = &file,
+        .file = file,
         .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
         .metrics = case_metrics};
     const auto cases = measure::sweep::run_cases(request);
@@ -132,8 +132,6 @@ TEST_CASE("wrong decisions come before wrong values, the most frequent of them c
     CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_miss);
     CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == Verdict::not_a_number);
     CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::not_a_number)] == "not_a_number");
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::within_inputs)] == "within_inputs");
 }
 
 TEST_CASE("no solid is hit that is none") {
@@ -177,7 +175,7 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
         CHECK_FALSE(file.title.empty());
         CHECK_FALSE(file.note.empty());
         const measure::sweep::CaseRequest request{
-            .file = &file, .rows = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
+            .file = file, .rows = all_rows(file.shapes().front(), {"f32", "f64", "bf16"}), .metrics = case_metrics};
         const auto cases = measure::sweep::run_cases(request);
         REQUIRE(cases.size() == file.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {

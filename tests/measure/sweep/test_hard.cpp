@@ -33,7 +33,7 @@ TEST_CASE("every hard ray measures what its name says") {
             const bool is_value = part[5].matched;
             const measure::metric::Metric* metric = measure::metric::find_metric(is_value ? what : "lost_bits");
             REQUIRE(metric != nullptr);
-            const measure::sweep::CaseRequest request{.file = &file,
+            const measure::sweep::CaseRequest request{.file = file,
                                                       .rows = {row(part[1].str(), part[2].str())},
                                                       .metrics = {metric, measure::metric::find_metric("excess_bits")}};
             // In the file the numbers are those of the format: rounding to it again must change none.

@@ -48,8 +48,7 @@ Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm
 /// Holds every form's counts at 1025 floats against its triangles asked one by one; what each form does.
 std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     REQUIRE(file.floats() == 1025);
-    sweep::ExhaustiveRequest request;
-    request.sweep = &file;
+    sweep::ExhaustiveRequest request{.sweep = file};
     for (const char* form : {"triangle.undivided", "triangle.havel_herout", "triangle.woop", "triangle.filtered"})
         request.rows.push_back(row(form, "f32"));
     sweep::ExhaustiveState state;
@@ -81,13 +80,6 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
 }
 
 }  // namespace
-
-TEST_CASE("every float across a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
-    const Scratch folder;
-    check_counts(
-        ExhaustiveFile(folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -8.0009765625\nto = -8")),
-                       LOSTBITS_DATA_DIR));
-}
 
 TEST_CASE("every float through a vertex of a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
     const Scratch folder;

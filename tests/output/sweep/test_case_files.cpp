@@ -64,7 +64,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const TextFile text(cases_text);
     const scene::sweep::CaseFile file(text.path());
     // f64 stands between two rows of f32: the picture gathers a format's forms, the table keeps the order.
-    const measure::sweep::CaseRequest request{.file = &file,
+    const measure::sweep::CaseRequest request{.file = file,
                                               .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"),
                                                        row("sphere.schoolbook_strict", "f32")},
                                               .metrics = lostbits::testing::case_metrics};

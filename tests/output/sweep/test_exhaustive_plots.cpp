@@ -29,9 +29,7 @@ const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 /// A sweep that was run.
 struct Ran {
     Ran(const std::string& text, const std::vector<TestedForm>& rows)
-        : written(text), file(written.path(), LOSTBITS_DATA_DIR) {
-        request.sweep = &file;
-        request.rows = rows;
+        : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .rows = rows} {
         measure::sweep::run_exhaustive(request, state);
     }
     [[nodiscard]] auto plots() const { return exhaustive_plots(request, state); }

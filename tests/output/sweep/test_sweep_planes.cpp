@@ -45,10 +45,12 @@ std::string sweep_text(bool x_falls, bool y_falls) {
 }
 
 struct Planes {
-    Planes(bool x_falls, bool y_falls) : text(sweep_text(x_falls, y_falls)), sweep(text.path(), LOSTBITS_DATA_DIR) {
-        // In fp16 squares overflow from 256 radii on.
-        request = {
-            .sweep = &sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}};
+    Planes(bool x_falls, bool y_falls)
+        : text(sweep_text(x_falls, y_falls)),
+          sweep(text.path(), LOSTBITS_DATA_DIR),
+          // In fp16 squares overflow from 256 radii on.
+          request{
+              .sweep = sweep, .rows = {row("sphere.unified", "f32"), row("sphere.schoolbook", "fp16")}, .metrics = {}} {
         for (const char* name : {"lost_bits", "inherent_bits", "excess_bits"})
             request.metrics.push_back(measure::metric::find_metric(name));
         steps = measure::sweep::run_sweep(request);

@@ -40,8 +40,10 @@ std::optional<output::sweep::AxisPart> part_of(const std::string& text, const Fl
 
 /// A sweep whose numbers are made up.
 struct Made {
-    Made() : text(sweep_of("rays = 16", "distance", "2", "\"0x1p20\"", steps)), sweep(text.path(), LOSTBITS_DATA_DIR) {
-        request = {.sweep = &sweep, .rows = {row("sphere.schoolbook", "f32")}, .metrics = {}};
+    Made()
+        : text(sweep_of("rays = 16", "distance", "2", "\"0x1p20\"", steps)),
+          sweep(text.path(), LOSTBITS_DATA_DIR),
+          request{.sweep = sweep, .rows = {row("sphere.schoolbook", "f32")}, .metrics = {}} {
         for (const char* name : {"lost_bits", "inherent_bits"})
             request.metrics.push_back(measure::metric::find_metric(name));
         for (std::size_t k = 0; k < steps; ++k) {

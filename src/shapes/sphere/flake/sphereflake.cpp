@@ -11,11 +11,6 @@
 namespace lostbits::scene::sphere {
 namespace {
 
-Vec<double> unit(const Vec<double>& v) {
-    const double size = length(v);
-    return {v.x / size, v.y / size, v.z / size};
-}
-
 /// Where the nine children sit, in the parent's (u, v, w).
 const std::array<Vec<double>, 9>& seats() {
     static const auto nine = [] {
@@ -38,10 +33,10 @@ void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
     take(sphere);
     if (levels == 0) return;
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
-    const Vec<double> u = unit(cross(e, w)), v = cross(w, u);
+    const Vec<double> u = unit_of(cross(e, w)), v = cross(w, u);
     const double reach = sphere.radius + sphere.radius / 3;
     for (const Vec<double>& seat : seats()) {
-        const Vec<double> away = unit(seat.x * u + seat.y * v + seat.z * w);
+        const Vec<double> away = unit_of(seat.x * u + seat.y * v + seat.z * w);
         grow({sphere.centre + reach * away, sphere.radius / 3}, away, levels - 1, take);
     }
 }
@@ -99,7 +94,7 @@ void require_room_for(const Sphereflake& flake) {
 }
 
 void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take) {
-    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&](const Sphere<double>& s) {
+    grow({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels, [&](const Sphere<double>& s) {
         flake.stop.check();
         take(s);
     });

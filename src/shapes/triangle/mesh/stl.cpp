@@ -1,6 +1,7 @@
 #include <bit>
 #include <cstring>
 
+#include "scene/toml/counted.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 #include "shapes/triangle/mesh/text_lines.hpp"
 
@@ -24,7 +25,7 @@ MeshInFile read_stl_text(const std::filesystem::path& path, std::istream& bytes)
             if (++since == 3) found.add({place - 2, place - 1, place}, lines.line());
         }
         if (what == "endfacet" && since != 3)
-            lines.fail("ends a facet of " + std::to_string(since) + " vertices; an STL facet has 3");
+            lines.fail("ends a facet of " + scene::toml::counted(since, "vertex", "vertices") + "; an STL facet has 3");
     }
     return found;
 }
