@@ -280,7 +280,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
     if (!common.quiet) {
         // A verdict that is confirmed may be that a sentence is wrong.
-        fmt::print("{} verdict{} confirmed, {} failed{}\n", agreed, agreed == 1 ? "" : "s",
+        fmt::print("{} confirmed, {} failed{}\n", output::file::counted(agreed, "verdict"),
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
         if (agreed > 0) fmt::print("{}\n", counts.text());
     }

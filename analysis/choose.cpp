@@ -249,7 +249,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
-    selection::note_rounded(rays, common.quiet);
+    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format, "--file-format");
     request.rays = &rays;
     return choose(request, files, progress, common);
 }

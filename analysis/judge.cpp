@@ -7,10 +7,12 @@
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/judge_words.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/file/number_text.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
@@ -248,15 +250,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
-        if (result.rounded > 0)
-            fmt::print(
-                stderr,
-                "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
-                "answers were computed in with --format\n",
-                o.file, result.rounded, dump->format().name);
+        selection::note_rounded(o.file, result.rounded, dump->format(), "--format");
         note_digits(o.file, dump->format(), result);
-        fmt::print("{} ray{} of {}, read as {}\n", result.rays, result.rays == 1 ? "" : "s", o.file,
-                   dump->format().name);
+        fmt::print("{} of {}, read as {}\n", output::file::counted(result.rays, "ray"), o.file, dump->format().name);
         print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);

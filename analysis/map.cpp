@@ -256,17 +256,17 @@ Exit run(MapOptions o, const Common& common) {
     }
     divided.division.expect(jobs);
     o.out = divided.out.string();
-    auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
+    SceneFolders folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
         selection::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
 
-    std::uint64_t units = 0, unresolved = 0;
+    std::uint64_t units = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
-    auto folder = folders.begin();
-    for (SceneWork work : works) {  // a copy, which points to what lives as long as this turn
+    const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k) {
+        SceneWork work = works[k];  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
         const auto bands =
             measure::evaluate::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
@@ -275,12 +275,10 @@ Exit run(MapOptions o, const Common& common) {
                                         common.quiet, bands);
         work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
-        unresolved +=
-            map_scene(work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-                      {common, progress, divided.division});
-        if (folder != folders.end()) (folder++)->reset();
-    }
-    progress.finish();
+        return map_scene(work, o,
+                         drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+                         {common, progress, divided.division});
+    });
     finish(divided, common);
     if (divided.division.is_shard()) return Exit::done;
     for (const SceneWork& work : works)

@@ -119,7 +119,7 @@ public:
     /// The request is about these files from then on.
     void become_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::mend::catalogue_beside(request.row));
-        selection::note_rounded(rays_, common_.quiet);
+        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format, "--file-format");
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;

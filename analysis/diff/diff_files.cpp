@@ -7,6 +7,7 @@
 
 #include "number/error.hpp"
 #include "output/file/escape.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
@@ -14,6 +15,7 @@ namespace lostbits::analysis::diff {
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::Comparison;
+using output::file::counted;
 using output::file::terminal_line;
 
 namespace {
@@ -147,8 +149,8 @@ void print(const Result& r, bool verbose) {
     if (c.same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {} {}", file, c.count, c.count == 1 ? "difference" : "differences");
-        if (c.rows_differ > 0) fmt::print(", in {} of {} rows", c.rows_differ, c.rows);
+        fmt::print("{}: {}", file, counted(c.count, "difference"));
+        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, counted(c.rows, "row"));
         fmt::print("\n");
     }
     for (const auto& column : c.columns) {

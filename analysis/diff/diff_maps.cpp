@@ -7,6 +7,7 @@
 #include "number/error.hpp"
 #include "output/diff/difference.hpp"
 #include "output/file/escape.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::diff {
@@ -14,6 +15,7 @@ namespace lostbits::analysis::diff {
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::RowChanges;
+using output::file::counted;
 
 namespace {
 
@@ -80,8 +82,6 @@ void print_lines(const std::string& head, const std::vector<std::string>& lines,
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
 
-std::string rows_text(std::uint64_t n) { return fmt::format("{} {}", n, n == 1 ? "row" : "rows"); }
-
 /// The names of the files of a form and format, `sphere.press.f32`, on both sides.
 std::vector<std::pair<std::string, std::string>> drawn_rows(const MapSides& sides,
                                                             const output::file::CsvTable& table) {
@@ -137,24 +137,25 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
     if (d.tables > 0)
-        fmt::print("{} to {}: {} of {} rows differ, in {} {}\n", a, b, d.rows.changed, d.rows.rows, d.tables,
-                   d.tables == 1 ? "table" : "tables");
-    print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_a.size()), a), d.rows.only_a, verbose);
-    print_lines(fmt::format("{} only in {}:", rows_text(d.rows.only_b.size()), b), d.rows.only_b, verbose);
+        fmt::print("{} to {}: {} of {} {}, in {}\n", a, b, d.rows.changed, counted(d.rows.rows, "row"),
+                   d.rows.changed == 1 ? "differs" : "differ", counted(d.tables, "table"));
+    print_lines(fmt::format("{} only in {}:", counted(d.rows.only_a.size(), "row"), a), d.rows.only_a, verbose);
+    print_lines(fmt::format("{} only in {}:", counted(d.rows.only_b.size(), "row"), b), d.rows.only_b, verbose);
     std::vector<std::string> lines;
     for (const auto& o : d.rows.outcomes) lines.push_back(o.row + ": " + o.text);
-    print_lines(fmt::format("outcomes differ in {}:", rows_text(d.rows.outcomes.size())), lines, verbose);
+    print_lines(fmt::format("outcomes differ in {}:", counted(d.rows.outcomes.size(), "row")), lines, verbose);
     lines.clear();
     for (const auto& c : d.rows.cells)
         lines.push_back(fmt::format("{}: {} {} to {}", c.row, c.column, c.before, c.after));
-    print_lines(fmt::format("largest changes, of {} numbers that differ:", d.rows.cells.size()), lines, verbose);
+    print_lines(fmt::format("largest changes, of {} that {}:", counted(d.rows.cells.size(), "number"),
+                            d.rows.cells.size() == 1 ? "differs" : "differ"),
+                lines, verbose);
     print_lines("columns:", d.rows.columns, verbose);
     for (const Result& r : d.others) {
         if (verbose || !r.only.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
-            fmt::print("{}: {} {}\n", output::file::terminal_line(r.file), r.comparison.count,
-                       r.comparison.count == 1 ? "difference" : "differences");
+            fmt::print("{}: {}\n", output::file::terminal_line(r.file), counted(r.comparison.count, "difference"));
         }
     }
     print_verdict(d.rows.verdict, b);

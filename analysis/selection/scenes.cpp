@@ -164,12 +164,13 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     return opened;
 }
 
-void note_rounded(const measure::choice::FileRays& rays, bool quiet) {
-    if (rays.rounded == 0 || quiet) return;
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option) {
+    if (numbers == 0) return;
     fmt::print(stderr,
-               "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that they "
-               "were computed in with --file-format\n",
-               rays.name, rays.rounded, rays.format.name);
+               "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
+               "{}\n",
+               files, numbers == 1 ? "1 number is not one" : fmt::format("{} numbers are not numbers", numbers),
+               format.name, numbers == 1 ? "was" : "were", option);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -50,7 +50,8 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                               const char* has) {
-    throw InputError(dump.name() + ": " + has + " " + std::to_string(result.rays) + " rays where a picture of " +
+    throw InputError(dump.name() + ": " + has + " " + std::to_string(result.rays) +
+                     (result.rays == 1 ? " ray" : " rays") + " where a picture of " +
                      std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
                      std::to_string(pixels_of(request)) + "; its --size is columns x rows");
 }

@@ -71,9 +71,9 @@ std::string kept(const Worth& worth, int precision, const Wish& wish) {
 }
 
 std::string decisions(const Worth& worth) {
-    if (worth.wrong == 0) return fmt::format("no wrong decision in {} rays", worth.rays);
+    if (worth.wrong == 0) return fmt::format("no wrong decision in {}", file::counted(worth.rays, "ray"));
     const auto share = worth.wrong_fraction();
-    return fmt::format("{} of {} rays decided wrongly ({}%)", worth.wrong, worth.rays,
+    return fmt::format("{} of {} decided wrongly ({}%)", worth.wrong, file::counted(worth.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
@@ -95,7 +95,7 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
         std::string outcome(
             room.broken.first ? measure::answer::outcome_names[static_cast<std::size_t>(*room.broken.first)] : "");
         std::ranges::replace(outcome, '_', ' ');
-        return fmt::format("{} ({} of {} rays)", outcome, room.broken.wrong, room.broken.rays);
+        return fmt::format("{} ({} of {})", outcome, room.broken.wrong, file::counted(room.broken.rays, "ray"));
     }
     return std::isnan(room.broken.kept_bits) ? "no hit that form and truth agree on"
                                              : "keeping " + kept(room.broken, precision, wish);
@@ -147,9 +147,9 @@ std::string next_ray(const Chosen& chosen) {
                             : fmt::format("{} ({} operations)", safe.front().strategy->name, safe.front().operations);
     };
     return fmt::format(
-        "  The next ray, cheapest start that is right for all {} rays from {} points: {} away from the "
+        "  The next ray, cheapest start that is right for all {} from {}: {} away from the "
         "solid, {} also into it.\n",
-        rays, points, cheapest_of(outside), cheapest_of(both));
+        file::counted(rays, "ray"), file::counted(points, "point"), cheapest_of(outside), cheapest_of(both));
 }
 
 /// What the files' own answers are worth.
@@ -281,8 +281,9 @@ std::string in_words(const Chosen& chosen) {
     }
     if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
     text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
-    return text + fmt::format("Times are of this run: {} rays of the {} against {} of its solids.\n", chosen.timed.rays,
-                              chosen.request.rays ? "file" : "scene", chosen.timed.solids);
+    return text + fmt::format("Times are of this run: {} of the {} against {} of its solids.\n",
+                              file::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
+                              chosen.timed.solids);
 }
 
 }  // namespace lostbits::output::choice

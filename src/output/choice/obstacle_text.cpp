@@ -25,7 +25,7 @@ std::string bits(double kept, const Wish& wish, double off = measure::truth::mis
 std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
     const std::string kept = bits(worth.kept_bits, wish, worth.off);
     if (worth.decides(wish)) return kept;
-    return fmt::format("{} and decides {} of {} rays wrongly", kept, worth.wrong, worth.rays);
+    return fmt::format("{} and decides {} of {} wrongly", kept, worth.wrong, file::counted(worth.rays, "ray"));
 }
 
 /// `the centres and the radii`.

@@ -29,6 +29,10 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
+std::string counted(std::uint64_t n, std::string_view what) {
+    return (std::to_string(n) + " ").append(what) + (n == 1 ? "" : "s");
+}
+
 std::string enumerated(const std::vector<std::string>& words) {
     std::string text;
     for (std::size_t k = 0; k < words.size(); ++k)

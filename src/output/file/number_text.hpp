@@ -1,6 +1,7 @@
 // Numbers as text that reads back to the same bits, and lists.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,9 @@ template <class Numbers>
     for (const double x : numbers) (list += list.empty() ? "" : between) += text(x);
     return list;
 }
+
+/// `1 ray`, `2 rays`; of a word that adds an s.
+[[nodiscard]] std::string counted(std::uint64_t n, std::string_view what);
 
 /// `a, b and c`
 [[nodiscard]] std::string enumerated(const std::vector<std::string>& words);

@@ -9,6 +9,7 @@
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
+#include "output/file/number_text.hpp"
 #include "output/mend/form_code.hpp"
 
 namespace lostbits::output::mend {
@@ -33,7 +34,7 @@ std::string in_words(const Worth& worth, const measure::choice::Wish& wish) {
     const std::string bits = std::isnan(worth.kept_bits) ? "no bits, since no hit is agreed"
                                                          : choice::bits_beside(worth.kept_bits, wish) + " bits";
     if (worth.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} rays decided wrongly", bits, worth.wrong, worth.rays);
+    return fmt::format("{}, {} of {} decided wrongly", bits, worth.wrong, file::counted(worth.rays, "ray"));
 }
 
 std::string room_in_words(const Room& room, const MendResult& r) {
@@ -65,9 +66,10 @@ std::string diff_of(const MendResult& r, const Tape& now) {
 /// `here`: on the rays that were searched on.
 std::string apart_in_words(const MendResult& r, const Worth& here, const Worth& apart) {
     const auto& m = r.mended;
-    const std::string where = r.request.scene ? fmt::format("{}x{} other pixels, on which nothing was searched",
-                                                            m.apart.width, m.apart.height)
-                                              : fmt::format("all {} rays of the file", r.request.rays->rays);
+    const std::string where =
+        r.request.scene
+            ? fmt::format("{}x{} other pixels, on which nothing was searched", m.apart.width, m.apart.height)
+            : fmt::format("all {} of the file", file::counted(r.request.rays->rays, "ray"));
     std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
                                    in_words(m.own_apart, r.request.wish));
     if (here.meets(r.request.wish) && !apart.meets(r.request.wish))
@@ -247,8 +249,10 @@ std::string in_words(const MendResult& r) {
                             in_words(r.catalogue_worth.front(), wish), r.catalogue.size(), meet);
     }
     text += prices_in_words(r);
-    return text + fmt::format("Tried: {} candidates on all {} rays.\n", m.tried,
-                              r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size());
+    return text +
+           fmt::format(
+               "Tried: {} on all {}.\n", file::counted(m.tried, "candidate"),
+               file::counted(r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
 }
 
 }  // namespace lostbits::output::mend

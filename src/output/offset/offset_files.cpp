@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "measure/offset/offsets.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
@@ -265,11 +266,13 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
         const double largest = on.safe.quantile(1);
         const std::string safe =
             std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {} points", on.never_safe)
+                ? fmt::format("no offset is safe at any of {}", file::counted(on.never_safe, "point"))
                 : fmt::format("smallest safe offset up to {:.3g}{}", largest,
-                              on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe));
-        lines.push_back(fmt::format("{} {}: {}; right for all {} rays: {}", of, name_of(side), safe, on.rays,
-                                    right.empty() ? "no strategy" : right));
+                              on.never_safe == 0   ? ""
+                              : on.never_safe == 1 ? " (1 point has none)"
+                                                   : fmt::format(" ({} points have none)", on.never_safe));
+        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", of, name_of(side), safe,
+                                    file::counted(on.rays, "ray"), right.empty() ? "no strategy" : right));
     }
     const auto safe =
         measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
@@ -15,6 +16,7 @@
 
 namespace lostbits::output::page {
 
+using file::counted;
 using measure::answer::Outcome;
 
 namespace {
@@ -215,8 +217,6 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     }
     return text;
 }
-
-std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 /// What the page is.
 constexpr const char* what_it_is =
