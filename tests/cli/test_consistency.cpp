@@ -90,17 +90,6 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     CHECK(shadow["inputs"]["limit"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
-TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
-    check_refused(Scratch(), "consistency -o out",
-                  {{"near-benign --check revers", "did you mean \"reverse\"?"},
-                   {"near-benign --check 'x*'", "lostbits list checks", 4},
-                   {"near-benign --check light", "light needs a [light]"},
-                   {"near-benign --check short -i sphere.unit_half_b", "directions of any length"},
-                   {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
-                   {"near-benign -i 'box.*'", "no selected form handles near-benign", 4},
-                   {"sphereflake-near", "1000 is the most"}});
-}
-
 TEST_CASE("consistency: one table on standard output, and a scene in which nothing is met") {
     const Scratch scratch;
     const auto table = must("consistency near-benign --size 8x6 -i sphere.unified --check packs -o -");
@@ -184,19 +173,6 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
     CHECK(safe == number_in(none.at("safe_max")));
     CHECK(none.at("offset_max") == "0");
     CHECK(none.at("operations") == "0");
-}
-
-TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
-    check_refused(
-        Scratch(), "offsets -o out",
-        {{"near-benign --strategy offset.integr", "did you mean \"offset.integer\"?"},
-         {"near-benign --strategy 'x.*'", "lostbits list strategies", 4},
-         {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
-         {"near-benign --points nowhere", "computed"},
-         {"near-benign --along time", "distance, radius, world"},
-         {"sphereflake-near", "1000 is the most"},
-         {"sdf-union -i 'sphere.*'", "it has spheres and boxes, and no selected form is for boxes; try -i sphere.", 4},
-         {"raycast-course.pixels --along distance", "cannot move"}});
 }
 
 TEST_CASE("offsets: one table on standard output, and what a scene without points says") {

@@ -2,7 +2,6 @@
 // same when it is run again.
 #include <algorithm>
 #include <set>
-#include <sstream>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -126,19 +125,6 @@ std::vector<std::string> ways(const Row& row) {
     for (std::size_t i = 1; (row.every_width || is_long()) && i + 1 < isas.size(); ++i)
         all.push_back(way(i == 1 ? 2 : 7, isas[i]));
     return all;
-}
-
-/// The names under `Subcommands:` of the program's help.
-std::set<std::string> commands() {
-    std::istringstream help(run("--help").out);
-    std::set<std::string> names;
-    bool below = false;
-    for (std::string line; std::getline(help, line);) {
-        if (line.starts_with("Subcommands:")) below = true;
-        else if (below && line.starts_with("  ") && line[2] != ' ') names.insert(line.substr(2, line.find(' ', 2) - 2));
-        else if (below && !line.starts_with(' ')) below = false;
-    }
-    return names;
 }
 
 std::string command_of(const Row& row) { return row.words.substr(0, row.words.find(' ')); }

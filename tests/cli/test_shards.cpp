@@ -140,15 +140,11 @@ TEST_CASE("shards of a file of rays give the files of the whole, as a list and a
 TEST_CASE("shards of claims give the report of the whole") { check_rows("check"); }
 
 TEST_CASE("every command that can be divided is") {
-    std::istringstream help(run("--help").out.substr(run("--help").out.find("Subcommands:")));
-    std::string line;
-    for (std::getline(help, line); std::getline(help, line) && !line.empty();) {
-        std::string command;
-        std::istringstream(line) >> command;
-        INFO(line);
+    for (const std::string& command : commands()) {
+        INFO(command);
         const bool has_row =
             std::ranges::any_of(rows, [&](const Row& row) { return row.words.starts_with(command + " "); });
-        if (!line.starts_with("   ")) CHECK(has(run(command + " --help").out, "--shard") == has_row);
+        CHECK(has(run(command + " --help").out, "--shard") == has_row);
     }
 }
 
