@@ -113,6 +113,9 @@ void probe(const std::filesystem::path& file);
 /// `before` and `after` around each of the values: ` -f f32 -f f64`.
 [[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
 
+/// The share of the hits that `--at` names: p50, p99 or max. InputError.
+[[nodiscard]] double quantile_at(const std::string& text);
+
 /// The end of a run in which the truth of so many rays was not proved: says so on stderr.
 [[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
 

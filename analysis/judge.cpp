@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "analysis/selection/doors.hpp"
@@ -195,10 +196,13 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     request.picture = dump->picture();
     if (!o.size.empty()) request.picture = selection::parse_size(o.size);
-    for (const int side :
-         {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
-        if (side < 1 || side > 65536)
-            throw InputError(fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
+    const auto [width, height] = request.picture.value_or(std::pair(1, 1));
+    if (std::min(width, height) < 1 || std::max(width, height) > 65536)
+        throw InputError(
+            o.size.empty() ? fmt::format("{}: its rays lie as {} x {} pixels, and a picture has at most 65536 a side; "
+                                         "say by --size WxH how they are to lie",
+                                         o.file, width, height)
+                           : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
     if (o.pictures == "all" && !request.picture)
         throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
     measure::metric::MetricSet made;

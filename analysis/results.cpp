@@ -8,6 +8,7 @@
 #include "analysis/selection/select.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
+#include "measure/choice/candidates.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -128,6 +129,14 @@ std::string each(const char* before, const std::vector<std::string>& values, con
     std::string text;
     for (const std::string& value : values) text += before + value + after;
     return text;
+}
+
+double quantile_at(const std::string& text) {
+    try {
+        return measure::choice::quantile_named(text);
+    } catch (const InputError& error) {
+        throw InputError(std::string("--at ") + error.what());
+    }
 }
 
 Exit end_with_unproved(std::uint64_t rays) {

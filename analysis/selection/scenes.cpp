@@ -25,6 +25,9 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     std::set<std::string> ids;
     for (const std::string& word : choice.names) {
         const scene::file::SceneName name = scene::file::find_scene(word, data);
+        if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
+            throw InputError(
+                fmt::format("--variant {}: {} names another; leave out one of them", choice.variant, word));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.all_ahead && !scene.range.is_whole())

@@ -90,6 +90,19 @@ Files sweeps() {
         {"bare.toml", replaced(every, "[sphere]", "[sphere_of_nothing]")}};
 }
 
+/// A .npy of rays that lie as a picture of one row.
+std::string rays_in_a_row(int count) {
+    std::string head =
+        "{'descr': [('ox','<f4'),('oy','<f4'),('oz','<f4'),('dx','<f4'),('dy','<f4'),('dz','<f4')], "
+        "'fortran_order': False, 'shape': (1, " +
+        std::to_string(count) + "), }";
+    head += std::string(180 - head.size(), ' ') + '\n';  // 192 bytes with the ten in front
+    std::string bytes = std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(head.size()) + '\0' + head;
+    const float ray[] = {0, 0, -5, 0, 0, 1};
+    for (int i = 0; i < count; ++i) bytes.append(reinterpret_cast<const char*>(ray), sizeof ray);
+    return bytes;
+}
+
 Files rays_and_tables() {
     const std::string bare = "ox,oy,oz,dx,dy,dz", head = bare + ",hit,t\n", good = "0,0,-5,0,0,1,1,4\n",
                       solid = bare + ",cx,cy,cz,radius\n", ray = "0,0,0,0,0,1,0,0,5,1\n",
@@ -109,6 +122,7 @@ Files rays_and_tables() {
             {"a.csv", table + "1\n"},
             {"b.csv", table + "2\n"},
             {"ragged.csv", table + "1\n\nx,2\n"},
+            {"wide.npy", rays_in_a_row(65537)},
             {"bad.exr", "no picture"},
             {"other.exr", "nor this"},
             {"c.txt", "text"}};
