@@ -55,10 +55,8 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& row : rows) {
-        if (row.form->rounded != nullptr && std::ranges::find(forms, row.form) == forms.end())
-            forms.push_back(row.form);
-    }
+    for (const TestedForm& row : rows)
+        if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits-needed: all selected forms exist in binary32 only; `lostbits list forms` shows the "
@@ -113,9 +111,7 @@ void note_skipped(const std::vector<SceneWork>& works) {
 std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o, std::vector<const Metric*> drawn) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (o.envelope) drawn.push_back(measure::metric::find_metric("excess_bits"));
-    for (const Metric* m : drawn) {
-        if (std::ranges::find(layers, m) == layers.end()) layers.push_back(m);
-    }
+    for (const Metric* m : drawn) selection::add_once(layers, m);
     std::erase_if(
         layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
     return layers;
