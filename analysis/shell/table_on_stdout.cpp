@@ -24,8 +24,8 @@ namespace {
 constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit", "--save", "--moves"};
 
 /// The table of a run: the first of these that it wrote.
-constexpr std::array<std::string_view, 7> tables{"summary.csv",    "samples.csv", "cases.csv", "worst.csv",
-                                                 "statements.csv", "pareto.csv",  "choose.csv"};
+constexpr std::array<std::string_view, 8> tables{"summary.csv",    "samples.csv", "cases.csv",  "worst.csv",
+                                                 "statements.csv", "pareto.csv",  "choose.csv", "mend.csv"};
 
 }  // namespace
 

@@ -136,7 +136,7 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     }
 }
 
-TEST_CASE("standard output takes the table of a choice and of claims, and nothing is left anywhere") {
+TEST_CASE("standard output takes the table of a choice, of a mended form and of claims, and nothing is left anywhere") {
     const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
     const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
@@ -146,6 +146,9 @@ TEST_CASE("standard output takes the table of a choice and of claims, and nothin
     const auto choice = must("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
     CHECK(choice.out.starts_with("form,format,isa,time_ns,"));
     CHECK(has(choice.out, "\nsphere.press,f32,"));
+    const auto mended = must("mend mine.toml --size 8x8 -i sphere.half_b --bits 5 -o -", scratch.path(), before);
+    CHECK(mended.out.starts_with("kind,"));
+    CHECK(temporary.files().empty());
     CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
     const auto csv = must("check --filter 'float.*' --export-csv -");
     CHECK(csv.out.starts_with("id,"));
