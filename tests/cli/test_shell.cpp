@@ -150,6 +150,8 @@ TEST_CASE("standard output takes the table of a choice, of a mended form and of 
     CHECK(mended.out.starts_with("kind,"));
     CHECK(temporary.files().empty());
     CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
+    must("-q check --filter 'float.*' --shard 1/1 --report parts", scratch.path());
+    CHECK(must("merge parts -o -", scratch.path(), before).out.starts_with("id,"));
     const auto csv = must("check --filter 'float.*' --export-csv -");
     CHECK(csv.out.starts_with("id,"));
     CHECK(has(csv.err, "confirmed"));
