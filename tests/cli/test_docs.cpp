@@ -162,12 +162,12 @@ bool is_dear(const Command& command) {
     return std::ranges::any_of(dear_commands, [&](const DearCommand& d) { return is(d, command); });
 }
 
-/// Of a command that is not run: each of its options is one of the command's.
+/// Of a command that is not run: each of its options is one of the command's, or of the program's.
 void check_options(const Command& command) {
     static const std::regex option(R"(\s(--[a-z-]+))");
     const std::string& text = command.arguments;
-    const auto help = must(text.substr(0, text.find(' ')) + " --help");
-    for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help.out, (*m)[1]));
+    const std::string help = must(text.substr(0, text.find(' ')) + " --help").out + must("--help").out;
+    for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help, (*m)[1]));
 }
 
 /// Runs the commands of a page in their order, in one folder.
