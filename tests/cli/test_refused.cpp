@@ -58,6 +58,8 @@ Files scenes() {
             {"negative.toml", spoilt("radius = 1", "radius = -1")},
             {"book.toml", spoilt("title = \"", "title = \"" + std::string(400, 'x'))},
             {"deep.toml", endless + " = 1\n"},
+            {"hole.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 9\n"},
+            {"hole.toml", scene_text("[[mesh]]\nfile = \"hole.obj\"\n")},
             {"boxes.toml",
              spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
 }
