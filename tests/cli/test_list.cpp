@@ -21,6 +21,7 @@ using namespace lostbits::test;
 
 TEST_CASE("list forms says how each takes rays from inside and from behind") {
     const std::string text = must("list forms").out;
+    for (const char* other : {"list", "list intersectors"}) CHECK(run(other).out == text);
     for (const auto& row : nlohmann::json::parse(run("list forms --json").out)) {
         const std::string name = row.at("name");
         CHECK(has(text, "\n" + name + " "));

@@ -1,7 +1,4 @@
-// The manners of the command line: one value an option, sentences for what is not understood, names from any folder.
-#include <nlohmann/json.hpp>
-#include <regex>
-
+// The manners of the command line: one value an option, several between commas, names from any folder.
 #include "catch.hpp"
 #include "program.hpp"
 
@@ -53,27 +50,6 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     must("check --measure --filter 'float.*,box.no-such-*' -q");
 }
 
-TEST_CASE("forms have one word, and the older one works") {
-    const auto forms = must("list forms"), older = run("list intersectors");
-    CHECK(forms.out == older.out);
-    CHECK(run("list").out == forms.out);
-}
-
-TEST_CASE("every list is there as JSON") {
-    const auto help = run("list --help").out;
-    std::smatch all;
-    REQUIRE(std::regex_search(help, all, std::regex(R"(\{([a-z,]+)\})")));
-    std::istringstream words(all[1]);
-    int lists = 0;
-    for (std::string what; std::getline(words, what, ','); ++lists) {
-        INFO(what);
-        const auto array = nlohmann::json::parse(run("list --json " + what).out);
-        CHECK(array.is_array());
-        CHECK_FALSE(array.empty());
-    }
-    CHECK(lists >= 7);
-}
-
 TEST_CASE("a file that is not there is named, without a line that nobody read") {
     const Scratch scratch;
     for (const char* words :
@@ -117,16 +93,6 @@ TEST_CASE("an option that would do nothing is said, where it is not refused") {
     const auto mapped =
         must("map m.toml --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8 -o out", scratch.path());
     CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
-}
-
-TEST_CASE("a camera that sees nothing says so") {
-    const Scratch scratch;
-    const std::string away =
-        "'" + scratch.write("away.toml", spoilt("look_at = [0, 0, 0]", "look_at = [0, 0, 90]")) + "'";
-    const auto r = must("map " + away + " -i sphere.press -f f32" + into(scratch));
-    CHECK(has(r.err, "scene away: no ray of its camera meets a solid"));
-    const std::string there = "'" + scratch.write("there.toml", good_scene) + "'";
-    CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + into(scratch)).err, "meets a solid"));
 }
 
 TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal") {
