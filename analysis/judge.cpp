@@ -109,6 +109,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
+        if (!o.formats.empty())
+            throw InputError(fmt::format(
+                "-f {}: is a format of forms, and -i names none; the format of the answers is --format", o.formats[0]));
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
