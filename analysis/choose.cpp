@@ -135,14 +135,6 @@ struct ChooseOptions : selection::RayFileWords {
     bool single = false, bulk = false, quick = false, mend = false;
 };
 
-double quantile_named(const std::string& text) {
-    try {
-        return measure::choice::quantile_named(text);
-    } catch (const InputError& error) {
-        throw InputError(std::string("--at ") + error.what());
-    }
-}
-
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
 std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
                                                    const selection::Meets& meets) {
@@ -162,7 +154,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     ChoiceRequest request;
     if (o.bits < 0 && o.tolerance.empty())
         throw InputError("choose: no wish is given; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_named(o.at)};
+    request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
     if (!o.tolerance.empty()) request.wish.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
     request.single = o.single;
@@ -249,7 +241,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
-    selection::note_rounded(rays, common.quiet);
+    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format, "--file-format");
     request.rays = &rays;
     return choose(request, files, progress, common);
 }

@@ -59,10 +59,20 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
-/// A folder in `out` for each scene, this run's own while they live, in which summary.csv can be written. Reset the one
-/// of a scene whose files are all there: it is finished then, whatever becomes of the run.
-[[nodiscard]] std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(
-    const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
+/// A folder in `out` for each scene, in which summary.csv can be written: this run's own until the work on its scene is
+/// done. Its files are whole then, whatever becomes of the run.
+class SceneFolders {
+public:
+    SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
+
+    /// `work` on each of so many scenes, by their number, one after the other; the sum of what it returns, rays
+    /// without a proved truth. Of a run that is asked to stop, says what is kept.
+    [[nodiscard]] std::uint64_t each(std::size_t scenes, output::file::Progress& progress,
+                                     const std::function<std::uint64_t(std::size_t)>& work);
+
+private:
+    std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard
+};
 
 /// The scenes of a command of solids, and of the rows those that can be asked about any of them. InputError for rays
 /// that a scene makes, or a form; `name` is the command.
@@ -102,6 +112,9 @@ void probe(const std::filesystem::path& file);
 
 /// `before` and `after` around each of the values: ` -f f32 -f f64`.
 [[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
+
+/// The share of the hits that `--at` names: p50, p99 or max. InputError.
+[[nodiscard]] double quantile_at(const std::string& text);
 
 /// The end of a run in which the truth of so many rays was not proved: says so on stderr.
 [[nodiscard]] Exit end_with_unproved(std::uint64_t rays);

@@ -103,7 +103,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<ConsistencyRequest> requests;
-    std::uint64_t units = 0, unresolved = 0;
+    std::uint64_t units = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
         auto fitting = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
@@ -117,17 +117,12 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
             {.scene = scene, .rows = std::move(fitting), .checks = std::move(asked), .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
-    auto folders = own_folders(scenes, o.out, common);
+    SceneFolders folders(scenes, o.out, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
-    auto folder = folders.begin();
-    for (const ConsistencyRequest& request : requests) {
-        unresolved += compare_on_scene(request, o, common, progress);
-        (folder++)->reset();
-    }
-    progress.finish();
-    return end_with_unproved(unresolved);
+    return end_with_unproved(folders.each(
+        requests.size(), progress, [&](std::size_t k) { return compare_on_scene(requests[k], o, common, progress); }));
 }
 
 }  // namespace

@@ -10,7 +10,9 @@
 #include "analysis/selection/options.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
+#include "output/file/number_text.hpp"
 #include "output/file/result_folder.hpp"
+#include "scene/toml/counted.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::analysis {
@@ -184,8 +186,8 @@ void say_what_is_unfinished(const DiffWords& w) {
 MapSides sides_of(const DiffWords& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
-        throw InputError(fmt::format("-i: names {} form{}; name two of them, as in -i sphere.press -i sphere.unified",
-                                     w.forms.size(), w.forms.size() == 1 ? "" : "s"));
+        throw InputError(fmt::format("-i: names {}; name two of them, as in -i sphere.press -i sphere.unified",
+                                     scene::toml::counted(w.forms.size(), "form")));
     if (!w.b.empty())
         throw InputError("-i: compares two forms within one folder; leave out " + w.b +
                          ", or -i to compare two folders");

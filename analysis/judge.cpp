@@ -2,15 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/judge_words.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/file/number_text.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
@@ -107,6 +110,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
+        if (!o.formats.empty())
+            throw InputError(fmt::format(
+                "-f {}: is a format of forms, and -i names none; the format of the answers is --format", o.formats[0]));
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
@@ -196,10 +202,13 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     request.picture = dump->picture();
     if (!o.size.empty()) request.picture = selection::parse_size(o.size);
-    for (const int side :
-         {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
-        if (side < 1 || side > 65536)
-            throw InputError(fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
+    const auto [width, height] = request.picture.value_or(std::pair(1, 1));
+    if (std::min(width, height) < 1 || std::max(width, height) > 65536)
+        throw InputError(
+            o.size.empty() ? fmt::format("{}: its rays lie as {} x {} pixels, and a picture has at most 65536 a side; "
+                                         "say by --size WxH how they are to lie",
+                                         o.file, width, height)
+                           : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
     if (o.pictures == "all" && !request.picture)
         throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
     measure::metric::MetricSet made;
@@ -251,13 +260,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
-        if (result.rounded > 0)
-            fmt::print(
-                stderr,
-                "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
-                "--format\n",
-                o.file, scene::toml::counted(result.rounded, "number is not one", "numbers are not numbers"),
-                dump->format().name, result.rounded == 1 ? "was" : "were");
+        selection::note_rounded(o.file, result.rounded, dump->format(), "--format");
         note_digits(o.file, dump->format(), result);
         fmt::print("{} of {}, read as {}\n", scene::toml::counted(result.rays, "ray"), o.file, dump->format().name);
         print_judged(request, result, o.by);

@@ -168,16 +168,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         }
     }
     shell::TableOnStdout table(program);
-    const Exit code = [&] {
-        try {
-            return program.run();
-        } catch (const Interrupted&) {
-            // These have a folder for each scene; the files of the others get their names together, at the end.
-            for (const char* const kept : {"map", "render", "offsets", "consistency", "merge"})
-                if (named(kept)) throw;
-            throw Error(Exit::interrupted, "interrupted");
-        }
-    }();
+    const Exit code = program.run();
     table.write();
     // Of a process behind a pipe, and of what is only tried, whoever asks says it.
     if (!common.quiet && !named("plugin")) {

@@ -55,10 +55,8 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& row : rows) {
-        if (row.form->rounded != nullptr && std::ranges::find(forms, row.form) == forms.end())
-            forms.push_back(row.form);
-    }
+    for (const TestedForm& row : rows)
+        if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits-needed: all selected forms exist in binary32 only; `lostbits list forms` shows the "
@@ -113,9 +111,7 @@ void note_skipped(const std::vector<SceneWork>& works) {
 std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o, std::vector<const Metric*> drawn) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (o.envelope) drawn.push_back(measure::metric::find_metric("excess_bits"));
-    for (const Metric* m : drawn) {
-        if (std::ranges::find(layers, m) == layers.end()) layers.push_back(m);
-    }
+    for (const Metric* m : drawn) selection::add_once(layers, m);
     std::erase_if(
         layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
     return layers;
@@ -257,17 +253,17 @@ Exit run(MapOptions o, const Common& common) {
     }
     divided.division.expect(jobs);
     o.out = divided.out.string();
-    auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
+    SceneFolders folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
         selection::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
 
-    std::uint64_t units = 0, unresolved = 0;
+    std::uint64_t units = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
-    auto folder = folders.begin();
-    for (SceneWork work : works) {  // a copy, which points to what lives as long as this turn
+    const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k) {
+        SceneWork work = works[k];  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
         const auto bands =
             measure::evaluate::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
@@ -276,12 +272,10 @@ Exit run(MapOptions o, const Common& common) {
                                         common.quiet, bands);
         work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
-        unresolved +=
-            map_scene(work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-                      {common, progress, divided.division});
-        if (folder != folders.end()) (folder++)->reset();
-    }
-    progress.finish();
+        return map_scene(work, o,
+                         drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+                         {common, progress, divided.division});
+    });
     finish(divided, common);
     if (divided.division.is_shard()) return Exit::done;
     for (const SceneWork& work : works)

@@ -119,7 +119,7 @@ public:
     /// The request is about these files from then on.
     void become_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::mend::catalogue_beside(request.row));
-        selection::note_rounded(rays_, common_.quiet);
+        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format, "--file-format");
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
@@ -181,7 +181,7 @@ Exit run(const MendOptions& o, const Common& common) {
         throw InputError("--emit " + o.emit +
                          ": a shader is given a solid and no matrix; write .hpp, or mend the form alone, -i " +
                          std::string(intersect::hull::innermost(*request.row.form).info->name));
-    request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
+    request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     if (rays) rays->become_subject_of(request);

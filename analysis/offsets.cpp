@@ -124,7 +124,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<OffsetRequest> requests;
-    std::uint64_t units = 0, unresolved = 0;
+    std::uint64_t units = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
         requests.push_back({.scene = scene,
@@ -133,19 +133,15 @@ Exit run(const OffsetOptions& o, const Common& common) {
                             .limit = {.stop = common.stop}});
         units += units_of(requests.back(), o);
     }
-    auto folders = own_folders(scenes, o.out, common);
+    SceneFolders folders(scenes, o.out, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
-    auto folder = folders.begin();
-    for (OffsetRequest& request : requests) {
-        request.progress = advancing(progress, &estimate);
-        unresolved += offset_scene(request, o, common, progress);
-        (folder++)->reset();
-    }
-    progress.finish();
-    return end_with_unproved(unresolved);
+    return end_with_unproved(folders.each(requests.size(), progress, [&](std::size_t k) {
+        requests[k].progress = advancing(progress, &estimate);
+        return offset_scene(requests[k], o, common, progress);
+    }));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
+#include "output/file/number_text.hpp"
 #include "output/picture/render_files.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/toml/counted.hpp"
@@ -114,7 +115,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
-    std::uint64_t units = 0, unproved = 0;
+    std::uint64_t units = 0;
     for (const auto& scene : scenes) {
         requests.push_back({.scene = scene,
                             .stages = stages_of(scene, o, common.quiet),
@@ -122,21 +123,18 @@ Exit run(const RenderOptions& o, const Common& common) {
                             .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
-    auto folders = own_folders(scenes, o.out, common);
+    SceneFolders folders(scenes, o.out, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
-    auto folder = folders.begin();
-    for (RenderRequest& request : requests) {
-        request.progress = advancing(progress);
-        unproved += render_scene(request, o, common, progress);
-        (folder++)->reset();
-    }
-    progress.finish();
+    const std::uint64_t unproved = folders.each(requests.size(), progress, [&](std::size_t k) {
+        requests[k].progress = advancing(progress);
+        return render_scene(requests[k], o, common, progress);
+    });
     if (unproved > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} could not be proved within {} bits; {} drawn as such\n",
+        fmt::print(stderr, "lostbits: {} could not be proved within {} bits; {} as `unresolved` and {} drawn as such\n",
                    scene::toml::counted(unproved, "pixel"), measure::picture::PictureLimit{}.bits,
-                   unproved == 1 ? "it counts as `unresolved` and is" : "they count as `unresolved` and are");
+                   unproved == 1 ? "it counts" : "they count", unproved == 1 ? "is" : "are");
     return unproved == 0 ? Exit::done : Exit::internal;
 }
 

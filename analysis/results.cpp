@@ -8,12 +8,16 @@
 #include "analysis/selection/select.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
+#include "measure/choice/candidates.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
+
+using scene::toml::counted;
 
 void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
@@ -29,16 +33,31 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
     return std::make_unique<output::file::ResultFolder>(folder, std::move(by), rules);
 }
 
-std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::vector<scene::file::Scene>& scenes,
-                                                                     const std::string& out, const Common& common) {
-    std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
+SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out,
+                           const Common& common) {
     for (const auto& scene : scenes) {
         const auto folder = std::filesystem::path(out) / scene.id;
-        folders.push_back(
+        folders_.push_back(
             own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
         probe(folder / "summary.csv");
     }
-    return folders;
+}
+
+std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& progress,
+                                 const std::function<std::uint64_t(std::size_t)>& work) {
+    std::uint64_t unproved = 0;
+    for (std::size_t k = 0; k < scenes; ++k) {
+        try {
+            unproved += work(k);
+        } catch (const Interrupted&) {
+            if (k == 0 || folders_.empty()) throw;
+            throw Error(Exit::interrupted,
+                        fmt::format("interrupted: the files of {} are kept", counted(k, "finished scene")));
+        }
+        if (!folders_.empty()) folders_[k].reset();
+    }
+    progress.finish();
+    return unproved;
 }
 
 std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
@@ -113,11 +132,18 @@ std::string each(const char* before, const std::vector<std::string>& values, con
     return text;
 }
 
+double quantile_at(const std::string& text) {
+    try {
+        return measure::choice::quantile_named(text);
+    } catch (const InputError& error) {
+        throw InputError(std::string("--at ") + error.what());
+    }
+}
+
 Exit end_with_unproved(std::uint64_t rays) {
     if (rays == 0) return Exit::done;
     fmt::print(stderr, "lostbits: the true answer of {} could not be proved within {} bits; {} as `unresolved`\n",
-               scene::toml::counted(rays, "ray"), measure::truth::TruthLimit{}.bits,
-               rays == 1 ? "it counts" : "they count");
+               counted(rays, "ray"), measure::truth::TruthLimit{}.bits, rays == 1 ? "it counts" : "they count");
     return Exit::internal;
 }
 

@@ -7,6 +7,7 @@
 
 #include "number/error.hpp"
 #include "output/file/escape.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -16,6 +17,7 @@ namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::Comparison;
 using output::file::terminal_line;
+using scene::toml::counted;
 
 namespace {
 
@@ -148,8 +150,8 @@ void print(const Result& r, bool verbose) {
     if (c.same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {}", file, scene::toml::counted(c.count, "difference"));
-        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, scene::toml::counted(c.rows, "row"));
+        fmt::print("{}: {}", file, counted(c.count, "difference"));
+        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, counted(c.rows, "row"));
         fmt::print("\n");
     }
     for (const auto& column : c.columns) {

@@ -103,9 +103,7 @@ std::string this_program(const std::string& words) {
 
 std::vector<std::string> devices_of(const std::vector<std::string>& words) {
     std::vector<std::string> kinds;
-    const auto add = [&kinds](std::string_view kind) {
-        if (std::ranges::find(kinds, kind) == kinds.end()) kinds.emplace_back(kind);
-    };
+    const auto add = [&kinds](std::string_view kind) { add_once(kinds, std::string(kind)); };
     for (const std::string& word : words) {
         if (word == "all") std::ranges::for_each(intersect::device::device_kinds, add);
         else if (std::ranges::find(intersect::device::device_kinds, word) != std::end(intersect::device::device_kinds))

@@ -177,8 +177,7 @@ void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
                      {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
     else if (!o.unit.empty())
         throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing; write both");
-    for (const measure::metric::Metric* m : select_metrics(words, made))
-        if (std::ranges::find(metrics, m) == metrics.end()) metrics.push_back(m);
+    for (const measure::metric::Metric* m : select_metrics(words, made)) add_once(metrics, m);
 }
 
 }  // namespace lostbits::analysis::selection

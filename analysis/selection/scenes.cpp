@@ -26,6 +26,9 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     std::set<std::string> ids;
     for (const std::string& word : choice.names) {
         const scene::file::SceneName name = scene::file::find_scene(word, data);
+        if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
+            throw InputError(
+                fmt::format("--variant {}: {} names another; leave out one of them", choice.variant, word));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.all_ahead && !scene.range.is_whole())
@@ -165,12 +168,13 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     return opened;
 }
 
-void note_rounded(const measure::choice::FileRays& rays, bool quiet) {
-    if (rays.rounded == 0 || quiet) return;
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option) {
+    if (numbers == 0) return;
     fmt::print(stderr,
-               "lostbits: {}: {} of {}, and {} rounded to it; name the format that {} computed in with --file-format\n",
-               rays.name, scene::toml::counted(rays.rounded, "number is not one", "numbers are not numbers"),
-               rays.format.name, rays.rounded == 1 ? "was" : "were", rays.rounded == 1 ? "it was" : "they were");
+               "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
+               "{}\n",
+               files, scene::toml::counted(numbers, "number is not one", "numbers are not numbers"), format.name,
+               numbers == 1 ? "was" : "were", option);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -77,7 +77,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
             continue;
         }
         for (const Intersector* const set : of_several ? sets_named(word, option) : made_named(word, option))
-            if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
+            add_once(sets, set);
     }
     forms = select_rows(intersect::table::intersectors(), alone, "form", option,
                         [](const Intersector& i) { return i.info->name; });
@@ -119,8 +119,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                 const std::string name = "step:" + std::string(step);
                 if (fnmatch(glob.c_str(), name.c_str(), 0) != 0) continue;
                 any = true;
-                if (const Metric* const one = made.find(name); std::ranges::find(chosen, one) == chosen.end())
-                    chosen.push_back(one);
+                add_once(chosen, made.find(name));
             }
             if (!any)
                 throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; they are {}", glob,
@@ -128,7 +127,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             continue;
         }
         if (const Metric* const one = made.find(glob)) {
-            if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
+            add_once(chosen, one);
             continue;
         }
         if (glob == "step:")
@@ -142,9 +141,8 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                             glob, of, of));
         }
         for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric",
-                                           [](const Metric& row) { return row.name; })) {
-            if (std::ranges::find(chosen, m) == chosen.end()) chosen.push_back(m);
-        }
+                                           [](const Metric& row) { return row.name; }))
+            add_once(chosen, m);
     }
     return chosen;
 }
@@ -220,9 +218,8 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
 }
 
 void add_pairs(std::vector<const Metric*>& metrics) {
-    for (const Metric& m : measure::metric::metrics()) {
-        if (is_of_pairs(&m) && std::ranges::find(metrics, &m) == metrics.end()) metrics.push_back(&m);
-    }
+    for (const Metric& m : measure::metric::metrics())
+        if (is_of_pairs(&m)) add_once(metrics, &m);
 }
 
 void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<TestedForm>& rows, bool quiet) {
@@ -260,7 +257,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
     const auto add = [&formats, option](const std::string& name) {
         const auto format = find_format(name);
         if (!format) unknown_format(name, option);
-        if (std::ranges::find(formats, *format) == formats.end()) formats.push_back(*format);
+        add_once(formats, *format);
     };
     for (const std::string& name : names) {
         const auto dots = name.find("..");

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "analysis/selection/scenes.hpp"
@@ -26,6 +27,12 @@
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::analysis::selection {
+
+/// At the end, where it is not among them already.
+template <class T>
+void add_once(std::vector<T>& all, const std::type_identity_t<T>& one) {
+    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+}
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
 /// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and

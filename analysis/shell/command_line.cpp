@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <type_traits>
 
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -147,6 +148,12 @@ void Option::replace(const std::vector<std::string>& words) const {
 
 template <class T>
 Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
+    if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest of them
+        const auto minus = [](const std::string& option, const std::string& word) {
+            return word.starts_with('-') ? fmt::format("{} {}: is not a whole number from 0 on", option, word) : "";
+        };
+        return finished(app_->add_option(names, into, help), check.wrong ? check : ValueRule{minus, ""});
+    }
     return finished(app_->add_option(names, into, help), check);
 }
 template Option Command::add(const std::string&, std::string&, const std::string&, const ValueRule&) const;

@@ -24,8 +24,9 @@ namespace {
 constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit", "--save", "--moves"};
 
 /// The table of a run: the first of these that it wrote.
-constexpr std::array<std::string_view, 7> tables{"summary.csv",    "samples.csv", "cases.csv", "worst.csv",
-                                                 "statements.csv", "pareto.csv",  "choose.csv"};
+constexpr std::array<std::string_view, 9> tables{"summary.csv", "samples.csv",    "cases.csv",
+                                                 "worst.csv",   "statements.csv", "pareto.csv",
+                                                 "choose.csv",  "mend.csv",       "claims.csv"};
 
 }  // namespace
 
@@ -78,7 +79,7 @@ fs::path TableOnStdout::table() const {
                             command_, found.size()));
         if (!found.empty()) return found.front();
     }
-    return {};
+    throw InputError(fmt::format("-o -: `{}` has written no table; name a folder", command_));
 }
 
 void TableOnStdout::write() {

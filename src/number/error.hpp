@@ -44,7 +44,7 @@ struct NothingSelected : Error {
 
 /// Somebody asked the run to stop, see intersect/process/stop_token.hpp.
 struct Interrupted : Error {
-    Interrupted() : Error(Exit::interrupted, "interrupted: the files of finished scenes are kept") {}
+    Interrupted() : Error(Exit::interrupted, "interrupted") {}
 };
 
 }  // namespace lostbits

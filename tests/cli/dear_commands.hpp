@@ -37,7 +37,7 @@ inline constexpr std::array cheaper{
 };
 
 /// Commands that the long tests alone run, seconds of a processor each, and what tries the like in the short ones,
-/// which ask whether their options exist.
+/// which ask whether their options exist. Of several pages with such a command, that page stands in front.
 struct DearCommand {
     std::string_view start, instead;
 };
@@ -56,6 +56,25 @@ inline constexpr std::array dear_commands{
     DearCommand{"trade --shape box ", "test_trade.cpp"},
     DearCommand{"trade --scene near-benign ", "test_trade.cpp"},
     DearCommand{"check --profile timing", "test_check.cpp"},
+    DearCommand{"check --profile libraries --device all ", "test_shader_devices"},
+    DearCommand{"docs/your-own-form.md c++ -shared ", "tests/package compiles the same file"},
+    DearCommand{"plugin check geometric.so", "tests/package checks it"},
+    DearCommand{"explain sphere-distance --ranges --at 128 ", "the page has it at 4 too"},
+    DearCommand{"mend data/dumps/far-sphere.csv ", "test_mend.cpp"},
+    DearCommand{"mend rtg-fig-7-3-4100-oblique -i sphere.half_b --bits 16 --size 32x32 ",
+                "test_mend.cpp, without words"},
+    DearCommand{"map rtg-fig-7-3-4100-oblique --shader halved.glsl ",
+                "test_shader_devices, on the bits of mended forms"},
+    DearCommand{"docs/shards.md map ", "test_shards.cpp"},
+    DearCommand{"docs/shards.md merge parts ", "test_shards.cpp"},
+    DearCommand{"docs/shards.md diff ", "test_shards.cpp"},
+    DearCommand{"sweep nearest --worst ", "test_paste.cpp has a search"},
+    DearCommand{"sweep sphere-distance -i sphere.schoolbook -i sphere.hearn_baker ", "test_sweep.cpp"},
+    DearCommand{"sweep sphere-distance -i sphere.schoolbook -f f32 --seeds 4 ", "test_sweep.cpp"},
+    DearCommand{"sweep sphere-distance --metric culprit ", "test_sweep.cpp"},
+    DearCommand{"report -o out", "test_report.cpp"},
+    DearCommand{"report near-benign --choose ", "test_report.cpp"},
+    DearCommand{"trade -o out", "test_trade.cpp"},
 };
 
 }  // namespace lostbits::test

@@ -40,10 +40,27 @@ void check_refused(const Scratch& folder, const std::string& command, const std:
         CHECK(r.code == row.code);
         CHECK(has(r.err, row.says));
         CHECK(r.err.starts_with("lostbits: "));
+        // Words of the parser, which are not sentences.
+        for (const char* raw :
+             {"were not expected", "was not expected", " is required\n", "not in {", "TEXT", "Could not"})
+            CHECK_FALSE(has(r.err, raw));
         CHECK(r.out.empty());
         CHECK(folder.files() == before);
         CHECK_FALSE(fs::exists(folder / "out"));
+        fs::remove_all(folder / "out");  // one that is not refused says nothing of those behind it
     }
+}
+
+std::set<std::string> commands() {
+    std::istringstream help(run("--help").out);
+    std::set<std::string> names;
+    bool below = false;
+    for (std::string line; std::getline(help, line);) {
+        if (line.starts_with("Subcommands:")) below = true;
+        else if (below && line.starts_with("  ") && line[2] != ' ') names.insert(line.substr(2, line.find(' ', 2) - 2));
+        else if (below && !line.starts_with(' ')) below = false;
+    }
+    return names;
 }
 
 void draw_pictures() { setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_SHIPPED_IMAGES, 1); }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <ostream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,9 @@ private:
     bool is_;
 };
 inline Has has(const std::string& text, const std::string& part) { return {text, part}; }
+
+/// The commands that the program's help names.
+std::set<std::string> commands();
 
 /// The names of all files below a folder, relative to it, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& folder);

@@ -107,19 +107,6 @@ TEST_CASE("a wish is said as it was typed") {
     CHECK(choose("spheres-on-floor --bits 4 -i sphere.press -i box.signs", scratch).code == 0);  // a set
 }
 
-TEST_CASE("choose refuses what is no wish") {
-    check_refused(Scratch(), "choose -o out",
-                  {{"near-benign --bits nan", "--bits nan: is not a number from 0 to 53"},
-                   {"near-benign --bits 60", "--bits 60: is not a number from 0 to 53"},
-                   {"near-benign --bits 1 --wrong nan", "is not a number from 0 to 1"},
-                   {"near-benign --bits 16 --at p", "--at p"},
-                   {"near-benign --bits 16 --at p100", "--at p100"},
-                   {"near-benign", "no wish is given; add --bits 16"},
-                   {"near-benign --bits 8 -f fp16", "emulated"},
-                   {"near-benign --bits 8 -i 'box.*'", "sphere.*", 4},
-                   {"rtg-fig-7-4 --bits 8", "variants"}});
-}
-
 namespace {
 
 const std::string far_rays = "'" LOSTBITS_DATA_DIR
@@ -182,34 +169,6 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     CHECK(rows.back().at("place") == "binary64");
     CHECK(std::stod(rows.front().at("exact_kept_bits")) < 9);
     CHECK(std::stod(rows.back().at("f64_kept_bits")) > 30);
-}
-
-TEST_CASE("choose refuses files that are none, and words for the other subject") {
-    const Scratch scratch;
-    const std::string ray = "0,0,0,0,0,1,0,0,5,1\n";
-    const std::pair<const char*, std::string> files[] = {{"empty.csv", ""},
-                                                         {"no-rays.csv", head},
-                                                         {"nan.csv", head + ray + "nan,0,0,0,0,1,0,0,5,1\n"},
-                                                         {"zero.csv", head + "0,0,0,0,0,0,0,0,5,1\n"},
-                                                         {"columns.csv", "a,b,c\n1,2,3\n"},
-                                                         {"solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"},
-                                                         {"a.csv", head + ray}};
-    for (const auto& [name, text] : files) scratch.write(name, text);
-    check_refused(scratch, "choose --bits 16 --quick -o out",
-                  {{"empty.csv", "empty.csv"},
-                   {"no-rays.csv", "has no rays"},
-                   {"nan.csv", "nan.csv:3:1"},
-                   {"zero.csv", "zero.csv:2"},
-                   {"columns.csv", "columns.csv:1"},
-                   {"solid.csv", "no column has a solid"},
-                   {"none.csv", "none.csv"},
-                   {"a.csv --size 4x4", "--size: is about a scene"},
-                   {"a.csv near-benign", "near-benign"},
-                   {"near-benign --sphere 0,0,0,1", "--sphere: is about files of rays"},
-                   {"near-benign sphereflake-near", "a choice is for one scene"},
-                   {"near-benign --file-format f32", "--file-format: is about files"},
-                   {"a.csv --file-format f23", "unknown format"},
-                   {"a.csv -i 'box.*'", "sphere.*", 4}});
 }
 
 }  // namespace test_choose

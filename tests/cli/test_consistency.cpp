@@ -90,22 +90,8 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     CHECK(shadow["inputs"]["limit"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
-TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
-    check_refused(Scratch(), "consistency -o out",
-                  {{"near-benign --check revers", "did you mean \"reverse\"?"},
-                   {"near-benign --check 'x*'", "lostbits list checks", 4},
-                   {"near-benign --check light", "light needs a [light]"},
-                   {"near-benign --check short -i sphere.unit_half_b", "directions of any length"},
-                   {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
-                   {"near-benign -i 'box.*'", "no selected form handles near-benign", 4},
-                   {"sphereflake-near", "1000 is the most"}});
-}
-
-TEST_CASE("consistency: one table on standard output, and a scene in which nothing is met") {
+TEST_CASE("consistency: a scene in which nothing is met") {
     const Scratch scratch;
-    const auto table = must("consistency near-benign --size 8x6 -i sphere.unified --check packs -o -");
-    CHECK(table.out.starts_with("check,form,format,rays,"));
-    CHECK(std::ranges::count(table.out, '\n') == 2);
     must("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]' -o .", scratch.path());
     const auto rows = read_csv(scratch / "near-benign/summary.csv");
     CHECK(row_of(rows, "beyond").at("rays") == "0");
@@ -186,24 +172,8 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
     CHECK(none.at("operations") == "0");
 }
 
-TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
-    check_refused(
-        Scratch(), "offsets -o out",
-        {{"near-benign --strategy offset.integr", "did you mean \"offset.integer\"?"},
-         {"near-benign --strategy 'x.*'", "lostbits list strategies", 4},
-         {"near-benign -i 'sdf.*'", "try -i 'sphere.*'", 4},
-         {"near-benign --points nowhere", "computed"},
-         {"near-benign --along time", "distance, radius, world"},
-         {"sphereflake-near", "1000 is the most"},
-         {"sdf-union -i 'sphere.*'", "it has spheres and boxes, and no selected form is for boxes; try -i sphere.", 4},
-         {"raycast-course.pixels --along distance", "cannot move"}});
-}
-
-TEST_CASE("offsets: one table on standard output, and what a scene without points says") {
+TEST_CASE("offsets: what a scene without points says") {
     const Scratch scratch;
-    const auto table = must("offsets near-benign --size 8x6 --points computed --strategy offset.bound -o -");
-    CHECK(table.out.starts_with("strategy,side,point,form,format,operations,points,"));
-    CHECK(std::ranges::count(table.out, '\n') == 3);
     // `none` is the name of a strategy, so it cannot say that there is none.
     const auto bad =
         must("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch, ""));

@@ -90,45 +90,6 @@ TEST_CASE("diff: twenty lines a file and the number of the others, all of them w
     CHECK(has(all.out, "  y: 0 differ, largest abs 1 at line 2, largest rel 0.1667 at line 2\n"));
 }
 
-TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answer") {
-    const Scratch scratch;
-    scratch.write("a.csv", "form,ulp_error\npress,1\n");
-    scratch.write("b.csv", "form,ulp_error\npress,2\n");
-    scratch.write("ragged.csv", "form,ulp_error\npress,1\n\nx,2\n");
-    scratch.write("bad.exr", "no picture");
-    scratch.write("other.exr", "nor this");
-    scratch.write("c.txt", "text");
-    fs::create_directory(scratch / "folder");
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
-    check_refused(
-        scratch, "diff",
-        {{"a.csv none.csv", "none.csv: no such file"},
-         {"none a.csv", "none: no such file"},
-         {"a.csv ragged.csv", "ragged.csv:3: is not a CSV file: 1 cell where the header has 2"},
-         {"ragged.csv ragged.csv", "ragged.csv:3: "},
-         {"a.csv bad.exr", "a.csv: is a CSV file, but bad.exr is an EXR file"},
-         {"a.csv c.txt", "files of the same kind"},
-         {"a.csv folder", "folder: is a folder, but a.csv is a file"},
-         {"folder a.csv", "folder: is a folder, but a.csv is a file"},
-         {"bad.exr other.exr", "bad.exr"},
-         {"a.csv b.csv --tolerance ulp_eror=1", "--tolerance ulp_eror: unknown column; did you mean \"ulp_error\"?"},
-         {"a.csv b.csv --ignore fomr", "--ignore fomr: unknown column; did you mean \"form\"?"},
-         {"a.csv b.csv --ignore 'z*'", "known here: \"form\", \"ulp_error\""},
-         {"c.txt c.txt --ignore x", "no file here has columns"},
-         {"a.csv b.csv --tolerance ulp_error", "COLUMN=ABS"},
-         {"a.csv b.csv --tolerance ulp_error=-1", "at least 0"},
-         {"a.csv b.csv --tolerance ulp_error=inf", "--ignore"},
-         {"a.csv", "B is required"},
-         {"folder -i sphere.press", "name two of them"},
-         {"folder folder -i sphere.press -i sphere.unified", "leave out folder"},
-         {"folder -i sphere.press -i sphere.unified --strict", "leave it out"},
-         {"folder -i sphere.press -i sphere.unified", "map it there first"},
-         {"a.csv -i sphere.press -i sphere.unified", "a.csv: is a file"},
-         {"a.csv b.csv --draw out", "needs two folders"},
-         {"folder folder -f f32", "add --draw"},
-         {"a.csv b.csv c.txt", "c.txt"}});
-}
-
 TEST_CASE("diff: only pictures need the image module, and without it they exit with 3") {
     const Scratch scratch;
     scratch.write("a.csv", "x\n1\n");

@@ -153,17 +153,21 @@ void lay_out(const Scratch& scratch, const std::string& page) {
     for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
 }
 
-bool is_dear(const Command& command) {
-    return std::ranges::any_of(dear_commands,
-                               [&](const DearCommand& d) { return command.arguments.starts_with(d.start); });
+bool is(const DearCommand& dear, const Command& command) {
+    const std::string page = command.where.substr(0, command.where.find(':')) + " ";
+    return command.arguments.starts_with(dear.start) || (page + command.arguments).starts_with(dear.start);
 }
 
-/// Of a command that is not run: each of its options is one of the command's.
+bool is_dear(const Command& command) {
+    return std::ranges::any_of(dear_commands, [&](const DearCommand& d) { return is(d, command); });
+}
+
+/// Of a command that is not run: each of its options is one of the command's, or of the program's.
 void check_options(const Command& command) {
     static const std::regex option(R"(\s(--[a-z-]+))");
     const std::string& text = command.arguments;
-    const auto help = must(text.substr(0, text.find(' ')) + " --help");
-    for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help.out, (*m)[1]));
+    const std::string help = must(text.substr(0, text.find(' ')) + " --help").out + must("--help").out;
+    for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help, (*m)[1]));
 }
 
 /// Runs the commands of a page in their order, in one folder.
@@ -178,13 +182,13 @@ void hold(const std::string& page) {
     lay_out(scratch, page);
     std::set<std::string_view> used;
     for (const Command& command : commands) {
+        if (!is_long() && is_dear(command)) {
+            if (!command.compiles) check_options(command);
+            continue;
+        }
         if (command.compiles) {
             INFO(command.where << ": " << command.arguments);
             CHECK(std::system(("cd '" + scratch.path().string() + "' && " + command.arguments).c_str()) == 0);
-            continue;
-        }
-        if (!is_long() && is_dear(command)) {
-            check_options(command);
             continue;
         }
         const std::string arguments = affordable(command, used);
@@ -238,7 +242,7 @@ TEST_CASE("the documents have commands and output, and each way to make them che
         for (const Command& command : commands_of(page)) {
             (void)affordable(command, used);
             for (const DearCommand& d : dear_commands)
-                if (command.arguments.starts_with(d.start)) found.insert(d.start);
+                if (is(d, command)) found.insert(d.start);
             ++commands;
             shown += command.shown.size();
         }

@@ -187,25 +187,6 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     CHECK_FALSE(fs::exists(scratch / "s/unfinished.state"));
 }
 
-TEST_CASE("an axis of every float is of one format, and bad input leaves nothing behind") {
-    const Scratch scratch;
-    scratch.write("s.toml", small);
-    scratch.write("bad.toml", spoil("\"0x1.69p10\"", "1444.1"));
-    scratch.write("bare.toml", spoil("[sphere]", "[sphere_of_nothing]"));
-    check_refused(scratch, "sweep -o out",
-                  {{"s.toml -f f64", "-f f64: s tries every number of one format, and that is f32; leave out -f"},
-                   {"s.toml -f f32 -f bf16", "-f bf16: s tries"},
-                   {"s.toml --metric condition", "--metric condition: s tries every float"},
-                   {"s.toml --worst", "[search]"},
-                   {"s.toml --seeds 2", "--seeds 2: s tries every float and draws nothing at random"},
-                   {"s.toml --against sphere.unified", "--against sphere.unified: s tries every float"},
-                   {"bad.toml", "bad.toml:10:8: axis.from is not a number of binary32"},
-                   {"sphere-distance -i sphere.press --resume", "--resume: sphere-distance is not a sweep over every"},
-                   {"s.toml -i sphere.press --resume", "unfinished.state: there is no such file"},
-                   {"s.toml -i 'box.*'", "no selected form handles s", 4},
-                   {"bare.toml", "an [ellipsoid]"}});
-}
-
 TEST_CASE("a claim may rest on every float of a range, and its verdict says how many") {
     const Scratch scratch;
     scratch.write("s.toml", small);

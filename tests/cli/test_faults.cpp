@@ -119,7 +119,24 @@ TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
         const bool asks = signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGXCPU;
         CHECK(started.wait() == (asks ? 130 : 128 + signal));
         CHECK_FALSE(has_partial_files(scratch.path()));
+        if (asks) CHECK(has(contents(scratch / "err.txt"), "lostbits: interrupted\n"));  // nothing is finished
     }
+}
+
+TEST_CASE("a run over scenes that is asked to end says how many are finished") {
+    const Scratch scratch;
+    for (const char* name : {"mine.toml", "other.toml"}) scratch.write(name, good_scene);
+    auto words = slow;
+    words.insert(words.begin() + 2, "other.toml");
+    Started started(words, scratch.path());
+    REQUIRE(started.wait_until([&] {
+        return fs::exists(scratch / "out/mine/contact.png") && !fs::exists(scratch / "out/mine/UNFINISHED.txt") &&
+               has_partial_files(scratch / "out/other");
+    }));
+    started.send(SIGTERM);
+    CHECK(started.wait() == 130);
+    CHECK(has(contents(scratch / "err.txt"), "lostbits: interrupted: the files of 1 finished scene are kept\n"));
+    CHECK(fs::exists(scratch / "out/mine/summary.csv"));
 }
 
 TEST_CASE("closed standard streams end up in no file") {

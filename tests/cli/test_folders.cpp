@@ -35,47 +35,69 @@ std::string rays() {
 
 }  // namespace
 
-TEST_CASE("a second run into a folder leaves nothing of the first") {
-    const Scratch scratch;
+namespace {
+
+struct SmallRun {
+    std::string words, more;    ///< as their list says them; `more` adds files
+    std::string folder, table;  ///< of the results; the table that `-o -` writes, none where it has times
+    bool has_sheet = true;      ///< its pictures are contact sheets, but with --pictures all
+};
+const SmallRun small_runs[] = {
+    {"map mine.toml -i sphere.press -f f32",
+     "-i sphere.unified -f f64 --metric culprit,lost_bits --pixels csv --exr --pictures all", "mine", "summary.csv"},
+    {"render raycast-course.small -i sphere.press --size 8x6", "-i sphere.unified --pictures all",
+     "raycast-course.small", "summary.csv"},
+    {"offsets near-benign --strategy offset.none --size 8x6",
+     "--strategy offset.bound --pixels csv --along world --pictures all", "near-benign", "summary.csv"},
+    {"consistency near-benign -i sphere.press --check packs --size 8x6",
+     "-i sphere.unified --check segment --pixels csv --pictures all", "near-benign", "summary.csv"},
+    {"judge rays.csv --sphere 0,0,0,1 --size 4x4", "-i sphere.press --metric lost_bits,ulp_error --rows --pictures all",
+     "rays", "summary.csv"},
+    {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0 --steps 4", "-i sphere.unified -f f64", "sphere-tilt",
+     "samples.csv", false},
+    {"sweep extremes/contact -i sphere.press -f f32", "-i sphere.unified -f f64", "contact", "cases.csv", false},
+    {"trade -i sphere.press -f f32 --repetitions 1 --quick", "-i sphere.unified -f f64", "sphere", "", false}};
+
+/// The pictures among the files of a folder that are not contact sheets.
+std::size_t singles_in(const std::vector<std::string>& files) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        files, [](const std::string& name) { return name.ends_with(".png") && !name.starts_with("contact"); }));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a second run into a folder leaves nothing of the first, and -o - leaves its table on standard output alone") {
+    const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
     scratch.write("rays.csv", rays());
-    struct Pair {
-        std::string first, second, folder;
-    };
-    const Pair pairs[] = {
-        {"map mine.toml -i sphere.press,sphere.unified -f f32,f64 --metric culprit,lost_bits --pixels csv --exr -o out",
-         "map mine.toml -i sphere.press -f f32 -o out", "mine"},
-        {"render raycast-course.small --size 8x6 -i sphere.press,sphere.unified -o out",
-         "render raycast-course.small --size 8x6 -i sphere.press -o out", "raycast-course.small"},
-        {"offsets near-benign --size 8x6 --strategy offset.none,offset.bound --pixels csv --along world -o out",
-         "offsets near-benign --size 8x6 --strategy offset.none -o out", "near-benign"},
-        {"consistency near-benign --size 8x6 -i sphere.press,sphere.unified --pixels csv -o out",
-         "consistency near-benign --size 8x6 -i sphere.press --check packs -o out", "near-benign"},
-        {"judge rays.csv --sphere 0,0,0,1 -i sphere.press --size 4x4 --metric lost_bits,ulp_error --rows -o out",
-         "judge rays.csv --sphere 0,0,0,1 -o out", "rays"},
-        {"sweep sphere-tilt --steps 4 -i sphere.press,sphere.unified -f f32,f64 --seeds 0 -o out",
-         "sweep sphere-tilt --steps 4 -i sphere.press -f f32 --seeds 0 -o out", "sphere-tilt"},
-        {"sweep extremes/contact -i sphere.press,sphere.unified -f f32,f64 -o out",
-         "sweep extremes/contact -i sphere.press -f f32 -o out", "contact"},
-        {"trade --quick --repetitions 1 -i sphere.press,sphere.unified -o out",
-         "trade --quick --repetitions 1 -i sphere.press -f f32 -o out", "sphere"}};
-    for (const Pair& pair : pairs) {
-        INFO(pair.second);
-        const fs::path folder = scratch / "out" / pair.folder;
-        must(pair.first, scratch.path());
-        CHECK(files_below(folder) == listed_in(folder));
-        const std::size_t before = files_below(folder).size();
+    for (const SmallRun& row : small_runs) {
+        INFO(row.words);
+        const fs::path folder = scratch / "out" / row.folder;
+        must(row.words + " " + row.more + " -o out", scratch.path());
+        const auto before = files_below(folder);
+        CHECK(before == listed_in(folder));
         std::ofstream(folder / "notes.txt") << "mine";
-        must(pair.second, scratch.path());
+        must(row.words + " -o out", scratch.path());
         auto after = files_below(folder);
         CHECK(std::erase(after, "notes.txt") == 1);
         CHECK(after == listed_in(folder));
-        CHECK(after.size() <= before);
+        CHECK(after.size() <= before.size());
+        CHECK((!row.has_sheet || (singles_in(after) == 0 && singles_in(before) > 0)));
         // As into a new folder.
-        fs::rename(scratch / "out", scratch / "old");
-        must(pair.second, scratch.path());
+        fs::remove_all(scratch / "out");
+        must(row.words + " -o out", scratch.path());
         CHECK(files_below(folder) == after);
-        fs::remove_all(scratch / "old");
+        CHECK(Json::parse(contents(folder / "manifest.json")).at("command") == "lostbits " + row.words);
+        if (!row.table.empty()) {
+            const auto r =
+                must(row.words + " -o -", scratch.path(), "export TMPDIR='" + temporary.path().string() + "';");
+            CHECK(r.out == contents(folder / row.table));
+            CHECK_FALSE(has(r.err, temporary.path().string()));
+            CHECK(temporary.files().empty());
+            CHECK_FALSE(fs::exists(scratch / "-"));
+        }
+        fs::remove_all(scratch / "out");
     }
 }
 
@@ -145,12 +167,8 @@ TEST_CASE("every file that can hold it says the command, what was set, and the v
     CHECK(contents(scratch / "again/mine/manifest.json") == contents(folder / "manifest.json"));
 }
 
-TEST_CASE("a page and a judgement name their command as well") {
+TEST_CASE("a page names its command as well") {
     const Scratch scratch;
-    scratch.write("rays.csv", rays());
-    must("judge rays.csv --sphere 0,0,0,1 -i sphere.press -f f32 -o out", scratch.path());
-    const auto list = Json::parse(contents(scratch / "out/rays/manifest.json"));
-    CHECK(list.at("command") == "lostbits judge rays.csv --sphere 0,0,0,1 -i sphere.press -f f32");
     must("report near-benign --size 8x8 -i sphere.press -f f32 --no-claims -o page", scratch.path());
     std::string version = run("--version").out;
     version.pop_back();

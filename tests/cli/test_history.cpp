@@ -101,17 +101,4 @@ TEST_CASE("a baseline of other claims, or of another quantity, is said to be one
     CHECK(has(run(check + place + "'").out, "no claim is in both runs"));
 }
 
-TEST_CASE("two options of check that name one file are refused") {
-    const Scratch scratch;
-    const std::string same = "names the same file; give each a file of its own";
-    check_refused(scratch, "check --filter 'float.*'",
-                  {{"--export-csv x --export-json x", same},
-                   {"--export-csv ./x --export-json x", same},
-                   {"--save x --junit ../" + scratch.path().filename().string() + "/x", same},
-                   {"--against x --moves x", same},
-                   {"--report r --junit ./r/README.md", "--junit ./r/README.md: lies among the files of --report r"}});
-    must("check --filter 'float.*' --save b.json", scratch.path());
-    must("check --filter 'float.*' --save b.json --against ./b.json", scratch.path());
-}
-
 }  // namespace test_history

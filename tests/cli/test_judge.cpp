@@ -17,7 +17,7 @@ const fs::path dumps = fs::path(LOSTBITS_DATA_DIR) / "dumps";
 const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --format f32 --sphere 0,0,0,1";
 const std::string far_raw =
     "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
-const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n", good = "0,0,-5,0,0,1,1,4\n";
+const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
 
 }  // namespace
 
@@ -76,15 +76,6 @@ TEST_CASE("judged rays are grouped by a column of the file") {
 
 TEST_CASE("a length has a unit where one is declared, and a group is a column of the file's own") {
     const Scratch scratch;
-    check_refused(scratch, "judge -o out " + far_csv,
-                  {{"--tolerance 1mm", "do not say what their unit of length is"},
-                   {"--tolerance 1mm --unit yard", "is not a unit of length"},
-                   {"--tolerance 1furlong --unit m", "is not a length"},
-                   {"--tolerance -1", "is not a length"},
-                   {"--unit m", "is the unit of --tolerance"},
-                   {"--by z", "it has x, y"},
-                   {"--by ox", "it has x, y"},
-                   {"--by x --metric tolerance:0.1 --tolerance 0.2", "one number a run"}});
     const auto beyond = [&](const std::string& words, const std::string& folder) {
         must("judge " + far_csv + " " + words + into(scratch, folder));
         return read_csv(scratch.path() / folder / "far-sphere/summary.csv").front().at("tolerance_beyond");
@@ -160,43 +151,6 @@ TEST_CASE("metrics of a formula are measured of forms, and left out of the file'
     CHECK_FALSE(rows[1].at("culprit").empty());
     CHECK(rows[0].at("model_error_max").empty());
     CHECK_FALSE(rows[1].at("model_error_max").empty());
-}
-
-TEST_CASE("judge says what it needs to know, and writes nothing") {
-    const Scratch scratch;
-    const std::pair<const char*, std::string> files[] = {{"rays.csv", head + good},
-                                                         {"word.csv", head + good + "0,0,-5,0,0,1,1,x\n"},
-                                                         {"cells.csv", head + good + "0,0,-5,0,0,1\n"},
-                                                         {"none.csv", head},
-                                                         {"bare.csv", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n"}};
-    for (const auto& [name, text] : files) scratch.write(name, text);
-    check_refused(scratch, "judge -o out",
-                  {{"rays.csv", "--sphere CX,CY,CZ,R"},
-                   {"rays.csv --sphere 0,0,0", "is not a sphere; write its"},
-                   {"rays.csv --sphere 0,0,0,-1", "greater than 0"},
-                   {"rays.csv --box 0,0,0,1,-1,1", "lo <= hi"},
-                   {"rays.csv --scene rtg-fig-7-4", "variants"},
-                   {"rays.csv --scene sphereflake-near", "solids"},
-                   {"no-such.csv", "no-such.csv"}});
-    check_refused(
-        scratch, "judge -o out --sphere 0,0,0,1",
-        {{"word.csv", "word.csv:3:16: t \"x\" is not a number"},
-         {"cells.csv", "cells.csv:3:1: has 6 cells"},
-         {"none.csv", "none.csv: has no rays"},
-         {"rays.csv --scene near-benign", "write one or the other"},
-         {"rays.csv --box 4,4,4,5,5,5 -i sphere.press+sphere.unified", "are both for spheres"},
-         {"rays.csv --size 7x1", "has 1 ray where a picture of 7x1 has 7"},
-         {"rays.csv --size 0x0", "whole numbers from 1 to 65536"},
-         {"rays.csv --size=-1x5", "whole numbers from 1 to 65536"},
-         {"rays.csv --metric culprit", "whose operations are not known"},
-         {"rays.csv --metric lost_bit", "lost_bits"},
-         {"rays.csv --format f23", "unknown format"},
-         {"rays.csv --miss nan", "--miss nan"},
-         {"rays.csv --skip 3", "--skip"},
-         {"rays.csv --against box.signs", "no selected form is for that"},
-         {"bare.csv", "-i 'sphere.*'", 4},
-         {"bare.csv -i 'box.*'", "no selected form handles its solids", 4},
-         {"bare.csv -i sphere.press --touching miss", "and it has none (columns hit or t); leave --touching out"}});
 }
 
 TEST_CASE("a file is held against a form, and a wrong contract speaks up") {

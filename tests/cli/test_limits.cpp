@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -133,6 +134,25 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     // Of memory, where the machine lets so many be open.
     CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
+}
+
+TEST_CASE("what the machine cannot do ends the run with 3, and leaves no half-written file") {
+    const Scratch scratch;
+    scratch.write("scene.toml", good_scene);
+    const std::string map = "map scene.toml -i sphere.press -f f32 ", itself = (scratch / "scene.toml").string();
+    // The limit on a file's size stands in for the full disk: 8 blocks of 1024 bytes in bash, 512 in others.
+    for (const auto& [words, before, says] :
+         {std::tuple<std::string, std::string, std::string>{"-o /proc/nowhere", "", "/proc/nowhere"},
+          {"-o '" + itself + "'", "", itself},
+          {"-o out", "LOSTBITS_IMAGE_MODULE=/nowhere.so", "/nowhere.so"},
+          {"-o out --size 400x400", "ulimit -f 8;", "cannot write"}}) {
+        const auto r = run(map + words, scratch.path(), before);
+        CHECK(r.code == 3);
+        CHECK(has(r.err, says));
+        CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
+    }
+    CHECK(run("list metrics >&- 2>&-").code == 3);
+    CHECK(has(run("list intersectors >/dev/full").err, "standard output"));
 }
 
 }  // namespace test_limits

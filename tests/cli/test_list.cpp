@@ -19,36 +19,18 @@ namespace test_list {
 using namespace lostbits;
 using namespace lostbits::test;
 
-TEST_CASE("list shows every intersector, as text and as JSON") {
-    const auto text = run("list intersectors");
-    const auto json = run("list intersectors --json");
-    REQUIRE(text.code == 0);
-    REQUIRE(json.code == 0);
-    const auto array = nlohmann::json::parse(json.out);
-    REQUIRE(array.size() == intersect::table::intersectors().size());
-    for (std::size_t i = 0; i < array.size(); ++i) {
-        const std::string name(intersect::table::intersectors()[i].info->name);
-        CHECK(array[i]["name"] == name);
-        CHECK_FALSE(array[i]["source"].get<std::string>().empty());
-        CHECK(has(text.out, "\n" + name + " "));
+TEST_CASE("list forms says how each takes rays from inside and from behind") {
+    const std::string text = must("list forms").out;
+    for (const char* other : {"list", "list intersectors"}) CHECK(run(other).out == text);
+    for (const auto& row : nlohmann::json::parse(run("list forms --json").out)) {
+        const std::string name = row.at("name");
+        CHECK(has(text, "\n" + name + " "));
         // No form of the catalogue has a word of its own.
         const std::string shape = name.substr(0, name.find('.'));
         const bool is_flat = shape == "triangle" || shape == "disc" || shape == "plane";
-        CHECK(array[i]["inside"] == (shape == "box"   ? "zero"
-                                     : is_flat        ? "none"
-                                     : shape == "sdf" ? "by solid"
-                                                      : "exit"));
+        CHECK(row["inside"] == (shape == "box" ? "zero" : is_flat ? "none" : shape == "sdf" ? "by solid" : "exit"));
         const bool culls = name == "triangle.moller_trumbore_culling";
-        CHECK(array[i]["facing"] == (!is_flat ? "none" : culls ? "front" : "both"));
-    }
-}
-
-TEST_CASE("list metrics is the metric table") {
-    const auto array = nlohmann::json::parse(run("list metrics --json").out);
-    REQUIRE(array.size() == measure::metric::metrics().size() + 5);
-    for (std::size_t i = 0; i < measure::metric::metrics().size(); ++i) {
-        CHECK(array[i]["name"] == std::string(measure::metric::metrics()[i].name));
-        CHECK(array[i]["layer"] == std::string(measure::metric::metrics()[i].layer));
+        CHECK(row["facing"] == (!is_flat ? "none" : culls ? "front" : "both"));
     }
 }
 
@@ -173,18 +155,22 @@ TEST_CASE("every sentence of a claim can be read alone") {
     }
 }
 
-TEST_CASE("list has every space, hull, maker of rays, strategy and check") {
-    const auto check = [](const std::string& what, const auto& rows) {
+TEST_CASE("list has every form, metric, space, hull, maker of rays, strategy and check") {
+    // More of the list than of the table: what takes a label, a length or bits.
+    const auto check = [](const std::string& what, const auto& rows, std::size_t more = 0) {
         CAPTURE(what);
         const auto listed = nlohmann::json::parse(run("list " + what + " --json").out);
-        REQUIRE(listed.size() == rows.size());
-        for (std::size_t k = 0; k < listed.size(); ++k) {
+        REQUIRE(listed.size() == rows.size() + more);
+        for (std::size_t k = 0; k < rows.size(); ++k) {
             if constexpr (requires { rows[k].info; }) {
                 CHECK(listed[k]["name"] == std::string(rows[k].info->name));
                 CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
             } else CHECK(listed[k]["name"] == std::string(rows[k].name));
+            if constexpr (requires { rows[k].layer; }) CHECK(listed[k]["layer"] == std::string(rows[k].layer));
         }
     };
+    check("forms", intersect::table::intersectors());
+    check("metrics", measure::metric::metrics(), 5);
     check("spaces", intersect::space::spaces());
     check("hulls", intersect::hull::hulls());
     check("makers", scene::camera::makers());

@@ -80,28 +80,4 @@ TEST_CASE("explain looks at the ray that the way makes") {
     CHECK(z["inputs"].contains("d.x"));
 }
 
-TEST_CASE("what is wrong with a way to make rays is said, and nothing is written") {
-    const std::string own = "gives forms the camera's own rays", each = "each format makes the rays of this scene";
-    const Scratch folder;
-    check_refused(folder, "map -f f32 -o out",
-                  {{"camera-far.endless -i sphere.unified@ray-thre", "unknown maker; did you mean \"three\"?"},
-                   {"camera-far.endless -i sphere.unified@ray-three@ray-dxr", "stands behind one form"},
-                   {"instance-far.sphere -i sphere.unified@plain@ray-dxr", "camera.rays = \"dxr\""},
-                   {"camera-far.endless -i sphere.unified@ray-dxr^box.signs", "the rays stands last"},
-                   {"instance-far.sphere -i sphere.unified@ray-dxr@pbrt", "the rays stands last"},
-                   {"spheres-on-floor -i sphere.unified@ray-dxr+box.signs", "of several shapes"},
-                   {"near-benign -i sphere.unified@ray-dxr", "need the planes of a projection"},
-                   {"camera-far.endless --set camera.projection.near=0", "must be greater than 0"},
-                   {"camera-far.gl --set camera.projection.far=0.125", "is not beyond near"},
-                   {"camera-far.endless -i sphere.unified@ray-dxr --bits-needed 12", own}});
-    check_refused(folder, "",
-                  {{"sweep sphere-distance -i sphere.unified@ray-dxr -f f32 -o out",
-                    "are not those of a camera with a projection"},
-                   {"offsets camera-far.endless -i sphere.unified@ray-dxr -o out", own},
-                   {"offsets camera-far.endless --set camera.rays=dxr -o out", each},
-                   {"choose camera-far.endless --set camera.rays=dxr --bits 12 -o out", each},
-                   {"trade -i sphere.unified@ray-dxr -o out", own},
-                   {"explain camera-far.endless --ray 0,0,0,0,0,1 -i sphere.unified@ray-dxr", "no camera makes it"}});
-}
-
 }  // namespace test_cli_made_rays

@@ -30,15 +30,6 @@ TEST_CASE("explain prints a march sample by sample") {
             "no step: t + d = t"));
 }
 
-TEST_CASE("marches are asked of forms that march, and of scenes that have one") {
-    check_refused(Scratch(), "",
-                  {{"explain sdf-by-hand --pixel 0,0 -i sdf.sphere_trace", "name one"},
-                   {"explain grazing --pixel 0,0 -i sdf.sphere_trace", "no [march] table"},
-                   {"map grazing -i sphere.press -f f32 --metric iterations -o out", "--metric iterations"},
-                   {"map grazing -i 'sdf.*' -o out", "no selected form handles grazing", 4},
-                   {"map sdf-union -i 'sphere.*' -o out", "no selected form is for boxes", 4}});
-}
-
 TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
     const Scratch scratch;
     const std::string out = scratch.path().string();

@@ -39,15 +39,6 @@ TEST_CASE("mend takes files of rays, and says what is kept on all of them", "[me
     CHECK(rewritten > 1);
 }
 
-TEST_CASE("mend tells options of files from those of scenes", "[mend]") {
-    const Scratch scratch;
-    const std::string scene = "mend near-benign --size 8x8 -i sphere.half_b --bits 5";
-    CHECK(has(run(scene + " --skip 3").err, "--skip: is about files of rays"));
-    CHECK(has(run("mend " + far_rays + " --size 8x8").err, "--size: is about a scene"));
-    CHECK(has(run("mend near-benign box-one -i sphere.half_b --bits 5").err, "mending is for one scene"));
-    CHECK(run("mend " + far_rays + " -i box.signs").code == 2);
-}
-
 TEST_CASE("the page of a mended form has its sentences, its changed lines and the CSV's numbers", "[mend]") {
     const Scratch scratch;
     const auto r = must("mend box-slabs --size 10x10 -i box.baseline --bits 20 -o out", scratch.path());
@@ -87,6 +78,21 @@ TEST_CASE("the page of a mended form has its sentences, its changed lines and th
     CHECK(has(part, "data:image/png;base64,"));
     CHECK_FALSE(has(part, "ns a ray"));
     CHECK(has(page, "lostbits mend box-slabs "));
+    if (!is_long()) return;  // compiling takes half a minute
+    const std::string scene = "rtg-fig-7-3-4100-oblique";
+    must("mend " + scene + " --size 48x48 -i sphere.half_b --bits 16 --price -o priced", scratch.path());
+    const std::string timed_page = contents(scratch / "priced" / scene / "index.html");
+    CHECK(has(timed_page, "Another run measures other times"));
+    CHECK(has(timed_page, " ns a ray</li>"));
+    int timed = 0;
+    for (const auto& row : read_csv(scratch / "priced" / scene / "mend.csv")) {
+        if (row.at("time_ns").empty() || (row.at("kind") == "catalogue" && row.at("front") == "0")) continue;
+        INFO(row.at("form"));
+        CHECK(has(timed_page, "<data value=\"" + row.at("time_ns") + "\">"));
+        CHECK(has(timed_page, "<data value=\"" + row.at("single_time_ns") + "\">"));
+        ++timed;
+    }
+    CHECK(timed > 2);
 }
 
 TEST_CASE("a mended form is written as a function of GLSL with the names of the source", "[mend]") {
@@ -98,14 +104,6 @@ TEST_CASE("a mended form is written as a function of GLSL with the names of the 
     CHECK(has(text, "// lostbits: direction=any touching=hit at_origin=hit inside=usual roots=first"));
     CHECK(has(text, "precise float o_minus_centre_x = o.x - centre.x;"));
     CHECK(has(text, "Made by lostbits mend rtg-fig-7-3-4100-oblique -i sphere.half_b"));
-    const auto none = run(words + " --emit halved.txt", scratch.path());
-    CHECK(none.code == 2);
-    CHECK(has(none.err, ".hpp or .glsl"));
-    const auto wide =
-        run("mend near-benign --size 8x8 -i sphere.half_b -f f64 --bits 48 --emit wide.glsl", scratch.path());
-    CHECK(wide.code == 2);
-    CHECK(has(wide.err, "a shader computes in floats"));
-    CHECK_FALSE(fs::exists(scratch / "wide.glsl"));
 }
 
 TEST_CASE("under a matrix a mended form is a function that takes the matrix, and has a price", "[mend]") {
@@ -117,9 +115,6 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     CHECK(has(text, "// The matrix leads from the solid to the world, row by row.\n"));
     CHECK(has(text, "M03"));
     CHECK_FALSE(has(text, "sphere.M"));
-    const auto shader = run(words + "--emit placed.glsl", scratch.path());
-    CHECK(shader.code == 2);
-    CHECK(has(shader.err, "a shader is given a solid and no matrix"));
     if (!is_long()) return;  // compiling takes half a minute
     CHECK(has(r.out, "Compiled, compared with their tapes to the bit on all rays"));
     int mended = 0, beside = 0;
@@ -134,15 +129,17 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     CHECK(beside > 10);
 }
 
-TEST_CASE("choose offers what a form is mended to, compiled and timed with the others", "[mend]") {
-    if (!is_long()) return;  // compiling takes half a minute
+TEST_CASE("choose offers what a form is mended to, compiled and timed with the others, or says why not", "[mend]") {
     const Scratch scratch;
-    const std::string scene = "rtg-fig-7-3-4100-oblique";
+    const std::string scene = "rtg-fig-7-3-4100-oblique", rest = " -f f32 --bits 16 --at max --mend -o out",
+                      none = "choose " + scene + " --size 24x21 --quick -i sphere.half_b" + rest;
+    const auto failed = run(none + " --compiler no-such-compiler", scratch.path());
+    CHECK(failed.code == 3);
+    CHECK(has(failed.err, "no-such-compiler"));
+    CHECK_FALSE(fs::exists(scratch / "out" / scene / "choose.csv"));
+    if (!is_long()) return;  // compiling takes half a minute
     const auto r =
-        must("choose " + scene +
-                 " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker -f f32 --bits 16 --at max --mend "
-                 "-o out",
-             scratch.path());
+        must("choose " + scene + " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker" + rest, scratch.path());
     CHECK(has(r.out, "mended.sphere_half_b_1 is sphere.half_b, "));
     CHECK(has(r.out, "On rays on which nothing was searched: "));
     int mended = 0;
@@ -158,35 +155,6 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
         CHECK(has(contents(file), "// sphere.half_b, "));
     }
     CHECK(mended > 1);
-}
-
-TEST_CASE("with prices the page has the times of the CSV", "[mend]") {
-    if (!is_long()) return;  // compiling takes half a minute
-    const Scratch scratch;
-    const std::string scene = "rtg-fig-7-3-4100-oblique";
-    must("mend " + scene + " --size 48x48 -i sphere.half_b --bits 16 --price -o out", scratch.path());
-    const std::string page = contents(scratch / "out" / scene / "index.html");
-    CHECK(has(page, "Another run measures other times"));
-    CHECK(has(page, " ns a ray</li>"));
-    int timed = 0;
-    for (const auto& row : read_csv(scratch / "out" / scene / "mend.csv")) {
-        if (row.at("time_ns").empty() || (row.at("kind") == "catalogue" && row.at("front") == "0")) continue;
-        INFO(row.at("form"));
-        CHECK(has(page, "<data value=\"" + row.at("time_ns") + "\">"));
-        CHECK(has(page, "<data value=\"" + row.at("single_time_ns") + "\">"));
-        ++timed;
-    }
-    CHECK(timed > 2);
-}
-
-TEST_CASE("choose says why mended forms cannot be compiled", "[mend]") {
-    const Scratch scratch;
-    const std::string words =
-        "choose rtg-fig-7-3-4100-oblique --size 24x21 --quick -i sphere.half_b -f f32 --bits 16 --at max --mend -o out";
-    const auto none = run(words + " --compiler no-such-compiler", scratch.path());
-    CHECK(none.code == 3);
-    CHECK(has(none.err, "no-such-compiler"));
-    CHECK_FALSE(fs::exists(scratch / "out" / "rtg-fig-7-3-4100-oblique" / "choose.csv"));
 }
 
 }  // namespace test_mend

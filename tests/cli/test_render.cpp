@@ -144,24 +144,6 @@ TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyon
     CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "diffuse");
 }
 
-TEST_CASE("what render refuses: the place or the word, the exit code, and nothing written") {
-    const Scratch scratch;
-    const std::pair<const char*, std::string> files[] = {
-        {"good.toml", good_scene},
-        {"shadows.toml", with("[shadows]\n")},
-        {"ks.toml", with("ks = 0.5\n")},
-        {"boxes.toml",
-         spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
-    for (const auto& [name, text] : files) scratch.write(name, text);
-    check_refused(scratch, "render -o out",
-                  {{"shadows.toml", "shadows.toml:18:1: shadows need a light"},
-                   {"ks.toml", "ks.toml:18:6: sphere[0].ks above 0 asks for a highlight"},
-                   {"good.toml --stage fong", "stage"},
-                   {"good.toml -i 'box.*'", "sphere.*", 4},
-                   {"good.toml --set light.position=[1,2,3]", "light"},
-                   {"boxes.toml", "lostbits map"}});
-}
-
 TEST_CASE("a claim about a rendered picture: its number, and what it cannot be about") {
     const Scratch scratch;
     const auto given = [](const std::string& words) { return words + "\n" + tested("sphere.expanded"); };

@@ -204,29 +204,6 @@ TEST_CASE("a report says what to change in a form, as mend does, when it is aske
               "Even with all of its "));
 }
 
-TEST_CASE("a report that cannot be made leaves nothing") {
-    const Scratch scratch;
-    scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
-    check_refused(scratch, "report -o out",
-                  {{"near-bening", "did you mean \"near-benign\"?"},
-                   {"near-benign near-benign", "given twice"},
-                   {"near-benign -i sphere.press --metric contribution:disk", "did you mean \"disc\"?"},
-                   {"near-benign -i 'box.*'", "no selected form handles", 4},
-                   {"near-benign --claims nothing", "no claim of the profile results has this id"},
-                   {"near-benign --choose near-benign", "says no bits"},
-                   {"near-benign --choose near-benign:54", "0 to 53"},
-                   {"near-benign --choose near-benign:18:p0", "p99.9"},
-                   {"near-benign --choose near-bening:18", "did you mean \"near-benign\"?"},
-                   {"near-benign --choose rtg-fig-7-4:18", "rtg-fig-7-4.r1e6"},
-                   {"near-benign --mend near-benign:18", "names no scene, or no form"},
-                   {"near-benign --mend near-benign:sphere.half_b:54", "0 to 53"},
-                   {"near-benign --mend near-benign:box.signs:18", "is not one form for the solids of that scene"},
-                   {"near-benign -i sphere.unified --size 8x8 --no-claims --mend near-benign:sphere.filtered:18",
-                    "decides by itself how far to go"},
-                   {"near-benign --offsets sphereflake-near", "1000 is the most"},
-                   {"mine.toml", "mine.toml:"}});
-}
-
 TEST_CASE("data/report.toml names what exists") {
     const auto data = fs::path(LOSTBITS_DATA_DIR);
     const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");

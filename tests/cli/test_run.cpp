@@ -42,6 +42,8 @@ public:
         const std::string command = "cd '" + scratch_.path().string() + "' && TMPDIR=$PWD PATH=\"$PWD/bin:$PATH\" " +
                                     words + " >out.txt 2>err.txt </dev/null";
         const int code = std::system(command.c_str());
+        for (const auto& entry : fs::directory_iterator(scratch_.path()))  // its own temporary folder is gone
+            CHECK_FALSE(has(entry.path().filename().string(), "lostbits-run"));
         return {WEXITSTATUS(code), contents(at("out.txt")), contents(at("err.txt")), contents(at("calls.txt"))};
     }
     void write(const std::string& name, const std::string& text) const { scratch_.write(name, text); }
@@ -242,6 +244,11 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
     CHECK(has(left.err, "left-behind\n"));
     tree.stand_in("bin/ctest", "exit 8");
     CHECK(tree.run("test").out.ends_with("0 passed, 1 failed\n"));
+    // One that is ended in the middle leaves nothing, as said_by sees, and does not look like one that is done.
+    tree.stand_in("bin/ctest", "echo x >\"$TMPDIR/half\"; kill -TERM $PPID");
+    const auto ended = tree.run("test");
+    CHECK(ended.code != 0);
+    CHECK_FALSE(has(ended.out, "passed"));
 }
 
 TEST_CASE("./run test --long compiles each source by itself as well, and counts an error as a failure") {

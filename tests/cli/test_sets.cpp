@@ -48,24 +48,6 @@ TEST_CASE("without -i a scene of several shapes is measured by the plain set, wh
     CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }
 
-TEST_CASE("a set that lacks a shape, or cannot be one, is told what to write, and nothing is written") {
-    const std::string lacks_boxes = "no selected form is for boxes; try -i sphere.press+box.inclusive";
-    check_refused(Scratch(), floor_map + " -o out",
-                  {{"-i sphere.press", lacks_boxes, 4},
-                   {"-i 'box.*'", "no selected form is for spheres; try -i sphere.schoolbook+box.baseline", 4},
-                   {"-i sphere.press+sphere.unified", "are both for spheres; name one form for each shape"},
-                   {"-i sphere.press+sdf.sphere_trace", "marches along the field of all solids"},
-                   {"-i sphere.press+", "no form stands on one side of a +"},
-                   {"-i sphere.pres+box.signs", "did you mean \"sphere.press\"?"},
-                   {"-i 'sphere.*' -i 'box.*'",
-                    "make 308 sets, one form for each shape, and 200 are the most; name fewer forms"}});
-    check_refused(Scratch(), "",
-                  {{"map near-benign -i sphere.press+box.signs -o out",
-                    "no selected form handles near-benign; try -i 'sphere.*'", 4},
-                   {"render spheres-on-floor -o out", "has other solids too"},
-                   {"explain spheres-on-floor --pixel 1,1 -i sphere.press", lacks_boxes}});
-}
-
 TEST_CASE("a hit of the wrong solid says which shape that has") {
     const Scratch scratch;
     const std::string ray = "explain --sphere=0,0,0,1 --box=-2,-2,1,2,0.25,2 ";

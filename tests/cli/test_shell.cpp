@@ -136,36 +136,22 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     }
 }
 
-TEST_CASE("out: -o - writes the table to standard output, and leaves nothing else anywhere") {
+TEST_CASE("standard output takes the table of a choice, of a mended form and of claims, and nothing is left anywhere") {
     const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
-    scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-5,0,0,1,1,4\n");
     const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
-    struct Case {
-        std::string words, file;
-    };
-    const Case cases[] = {{"map mine.toml -i sphere.press -f f32", "mine/summary.csv"},
-                          {"judge rays.csv --sphere 0,0,0,1", "rays/summary.csv"},
-                          {"render raycast-course.small --size 8x6", "raycast-course.small/summary.csv"},
-                          {"offsets near-benign --size 8x6 --strategy offset.none", "near-benign/summary.csv"},
-                          {"consistency near-benign --size 8x6 -i sphere.press", "near-benign/summary.csv"},
-                          {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0", "sphere-tilt/samples.csv"},
-                          {"sweep extremes/contact -i sphere.press -f f32", "contact/cases.csv"}};
-    for (const Case& c : cases) {
-        const auto r = must(c.words + " -o -", scratch.path(), before);
-        CHECK_FALSE(has(r.err, temporary.path().string()));
-        CHECK(temporary.files().empty());
-        CHECK_FALSE(fs::exists(scratch / "-"));
-        must(c.words + " -o out", scratch.path());
-        CHECK(r.out == contents(scratch / "out" / c.file));
-    }
     run("map mine.toml -i sphere.press -f f32 -o - | true", scratch.path(), before);
     CHECK(temporary.files().empty());
     // Its times are of the run, so two tables of it differ.
     const auto choice = must("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
     CHECK(choice.out.starts_with("form,format,isa,time_ns,"));
     CHECK(has(choice.out, "\nsphere.press,f32,"));
+    const auto mended = must("mend mine.toml --size 8x8 -i sphere.half_b --bits 5 -o -", scratch.path(), before);
+    CHECK(mended.out.starts_with("kind,"));
+    CHECK(temporary.files().empty());
     CHECK(run("check --filter 'float.*' --export-json - 2>/dev/null").out.starts_with("["));
+    must("-q check --filter 'float.*' --shard 1/1 --report parts", scratch.path());
+    CHECK(must("merge parts -o -", scratch.path(), before).out.starts_with("id,"));
     const auto csv = must("check --filter 'float.*' --export-csv -");
     CHECK(csv.out.starts_with("id,"));
     CHECK(has(csv.err, "confirmed"));
@@ -174,15 +160,6 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
               "2 verdicts confirmed, 0 failed\nfrom a source 1 holds, 1 is refuted\n"));
     CHECK(has(run("check --filter float.sum-2p24-f32").out,
               "1 verdict confirmed, 0 failed\nfrom a source 1 is refuted\n"));
-}
-
-TEST_CASE("standard output takes one table") {
-    const Scratch scratch;
-    for (const char* name : {"mine.toml", "other.toml"}) scratch.write(name, good_scene);
-    check_refused(scratch, "",
-                  {{"map mine.toml other.toml -i sphere.press -f f32 -o -", "name one subject"},
-                   {"report near-benign --no-claims --size 8x8 -i sphere.press -f f32 -o -", "a page is not a table"},
-                   {"check --filter 'float.*' --junit - --export-csv -", "takes one table, not two"}});
 }
 
 TEST_CASE("JUnit says how long each claim took") {

@@ -66,31 +66,6 @@ TEST_CASE("explain goes through the space, and a matrix can be given with the nu
     CHECK(has(run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32").out, "@relative"));
 }
 
-TEST_CASE("what is wrong with a matrix or a space is said, and nothing is written") {
-    const Scratch folder;
-    check_refused(folder, "map instance-far.sphere --size 4x4 -f f32 -o out",
-                  {{"-i sphere.unified@plan", "unknown space; did you mean \"plain\"?"},
-                   {"-i sphere.unified@", "stands beside the @"},
-                   {"--set 'sphere[0].transform.scale=[1,0,1]'", "flattens the solid"},
-                   {"--set 'sphere[0].transform.matrix=[1,2,3,0,2,4,6,0,0,0,1,0]'", "is singular: it flattens"},
-                   {"--set 'sphere[0].transform.scale=[1,1,\"1e-60\"]'", "is singular in binary32"},
-                   {"--set 'sphere[0].transform.rotat=1'", "did you mean \"rotate\"?"},
-                   {"--set 'sphere[0].transform.stored=\"back\"'", "forward"},
-                   {"-i sphere.unified --metric step:orign", "did you mean \"origin\"?"},
-                   {"-i sphere.unified --metric 'step:x*'", "no step matches this pattern", 4},
-                   {"-i sdf.sphere_trace@plain", "marches"},
-                   {"-i 'sdf.*@plain'", "every form that matches marches", 4},
-                   {"-i 'sdf.*'", "no selected form handles", 4}});
-    check_refused(folder, "explain --ray=0,0,9,0,0,-1",
-                  {{"--sphere=0,0,0,1@1,2,3 -i sphere.unified", "is not a matrix"},
-                   {"--sphere=0,0,0,1@1,0,0,0,0,1,0,0,0,0,0,0 -i sphere.unified", "singular"},
-                   {"--sphere=0,0,0,1 -i sphere.unified@plain", "no solid under a matrix"}});
-    check_refused(folder, "map -f f32 -o out",
-                  {{"instance-crowd -i 'sphere.unified+box.signs@plain+capsule.half_b@plain+cone.moment@plain'",
-                    "after each form, or after none"},
-                   {"rtg-fig-7-3-4100-oblique -i sphere.unified --metric worst_step", "stands under a matrix"}});
-}
-
 TEST_CASE("a glob of steps is every step, and a glob of forms through a space leaves out those that march") {
     const Scratch folder;
     must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*'" + into(folder));
@@ -215,17 +190,6 @@ TEST_CASE("steps and offsets of a form behind a box in the world are those of it
     };
     CHECK(step(form, "/a") == step(form + "^box.embree_robust", "/b"));
     must("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8" + into(folder, "out/c"));
-}
-
-TEST_CASE("what cannot be behind a box is refused with what to write") {
-    check_refused(Scratch(), "map behind-boxes.sphere -o out -f f32",
-                  {{"-i 'sphere.unified^'", "FORM^BOX"},
-                   {"-i '^box.signs'", "FORM^BOX"},
-                   {"-i 'sphere.unified^sphere.unified'", "is not a form of a box"},
-                   {"-i 'sphere.unified^box.sings'", "box.signs"},
-                   {"-i 'sphere.unified^box.signs~nearst'", "nearest"},
-                   {"-i sphere.unified --metric lost_to", "behind a box"}});
-    check_refused(Scratch(), "map plane-floor -o out -i 'plane.*^box.signs'", {{"", "no box around a plane"}});
 }
 
 }  // namespace test_cli_spaces

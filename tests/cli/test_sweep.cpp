@@ -9,12 +9,6 @@ namespace test_sweep {
 
 using namespace lostbits::test;
 
-namespace {
-
-std::string spoil(const std::string& what, const std::string& by) { return replaced(small_sweep, what, by); }
-
-}  // namespace
-
 TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
@@ -114,75 +108,15 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
     CHECK(!fs::exists(scratch / "s/onsets.csv"));  // an onset is a place on one axis
 }
 
-TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
-    // tests/scene/sweep has what else can be wrong with a file.
-    const Scratch scratch;
-    const std::string culprit = sweep_of(
-        "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\n"
-        "metric = \"culprit\"\nseed = 1\nstarts = 2\ngenerations = 2\n");
-    const std::pair<const char*, std::string> files[] = {
-        {"set.toml", spoil("distance\"]", "distanse\"]")},
-        {"equal.toml", spoil("from = 2", "from = 1048576")},
-        {"both.toml", spoil("[family]", "scene = \"near-benign\"\n[family]")},
-        {"far.toml", spoil("to = 1048576", "to = \"0x1p200\"")},
-        {"culprit.toml", culprit}};
-    for (const auto& [name, text] : files) scratch.write(name, text);
-    check_refused(scratch, "sweep -i sphere.schoolbook -o out",
-                  {{"set.toml", "set.toml:16:"},
-                   {"equal.toml", "equals"},
-                   {"both.toml", "either"},
-                   {"far.toml", "distance"},
-                   {"sphere-distanc", "sphere-distance"},
-                   {"sphere-distance --metric contribution:disk", "did you mean \"disc\""},
-                   {"culprit.toml --worst", "names an operation and has no largest value"}});
-}
-
 namespace {
 
-const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A 'test'\"\nsource = \"-\"\n";
-const std::string small_cases = head + R"([[case]]
+const std::string small_cases = sweep_of(R"([[case]]
 name = "one, ahead"
 spheres = [{ centre = [0, 0, 5], radius = 2 }]
 rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
-)";
-const std::string small_search = head + R"([search]
-origin = [-8, 8]
-direction = [-1, 1]
-centre = [-1, 1]
-radius = [0.5, 2]
-distance_radii = [1.25, 8]
-impact_radii = [0, 0.9]
-starts = 2
-generations = 8
-)";
+)");
 
 }  // namespace
-
-TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothing") {
-    const Scratch scratch;
-    const std::pair<const char*, std::string> files[] = {
-        {"cases.toml", small_cases},
-        {"search.toml", small_search},
-        {"family.toml", head + "[family]\n[[axis]]\n"},
-        {"bit.toml", small_search + "metric = \"lost_bit\"\n"},
-        {"glob.toml", small_search + "metric = \"lost*\"\n"},
-        {"radius.toml", replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]")},
-        {"nan.toml", replaced(small_cases, "radius = 2", "radius = \"nan\"")},
-        {"emax.toml", replaced(small_cases, "name =", "lengths = \"emax/3\"\nname =")}};
-    for (const auto& [name, text] : files) scratch.write(name, text);
-    // A good file in front of it is not begun.
-    check_refused(scratch, "sweep -i sphere.press -f f32 -o out",
-                  {{"extremes/contact search.toml",
-                    "search.toml:1:1: this file has a table of a search, which only --worst uses; add --worst"},
-                   {"extremes/contact nan.toml", "nan.toml:6:43: is nan, which is allowed in rays only"},
-                   {"extremes/contact emax.toml", "emax.toml:5:11: "},
-                   {"worst/near cases.toml --worst", "cases.toml:1:1: --worst needs a [search] table"},
-                   {"worst/near family.toml --worst", "family.toml:1:1: --worst needs a [search] table"},
-                   {"worst/near bit.toml --worst", "did you mean \"lost_bits\""},
-                   {"worst/near glob.toml --worst", "is not a metric"},
-                   {"worst/near radius.toml --worst", "radius.toml:8:10: "}});
-    check_refused(scratch, "sweep -i 'box.*' -f f32 -o out cases.toml", {{"", "no selected form handles", 4}});
-}
 
 TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
     const Scratch scratch;

@@ -143,47 +143,6 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
     CHECK(read_csv(scratch / "d/near/worst.csv").front().at("evaluations") == "64");
 }
 
-TEST_CASE("a sweep: options are refused where they mean nothing, with what does, and nothing is written") {
-    const Scratch scratch;
-    scratch.write("s.toml", small_sweep);
-    scratch.write("f.toml", small_sweep +
-                                "\n[[axis]]\nname = \"impact\"\nspacing = "
-                                "\"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
-                                "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n");
-    check_refused(
-        scratch, "sweep -i sphere.press -o out",
-        {{"s.toml --size 8x8", "try --set rays=N or --set views=N"},
-         {"s.toml --size 8by8", "--size"},
-         {"s.toml --steps 3,4", "--steps gives 2 numbers, and the sweep has 1 [[axis]] table"},
-         {"s.toml --steps many", "is not a number of steps"},
-         {"s.toml --steps 1", "steps"},
-         {"s.toml --set distance=4", "the axis distance_radii sets it at every step"},
-         {"s.toml --set family.distance=4", "the axis distance_radii sets it at every step"},
-         {"s.toml --set veiws=4", "did you mean \"views\""},
-         {"s.toml --set views", "--set"},
-         {"f.toml --steps 3", "tries every float"},
-         {"extremes/contact --size 8x8", "its rays are the cases"},
-         {"extremes/contact --steps 3", "has no steps but its cases"},
-         {"extremes/contact --set x=3", "copy the file"},
-         {"extremes/contact --seeds 3", "--seeds 3: contact names its rays and draws none"},
-         {"camera-distance --seeds 3", "--seeds 3: camera-distance has the rays of its scene and draws none"},
-         {"sphere-height --seeds 3", "--seeds 3: sphere-height has two axes"},
-         {"near --worst --size 8x8", "--set starts=N"},
-         {"near --worst --steps 8", "--set starts=N or --set generations=N"},
-         {"mesh-edges --worst --size 8x8", "--set rays=N"},
-         {"mesh-edges --worst --set ray=8", "did you mean \"rays\""},
-         {"near --worst --set strats=8", "did you mean \"starts\""},
-         {"near --worst --metric condition", "--metric condition: near searches by the metric that its file names"},
-         {"near --worst --metric condition", "leave out --metric, and try --set metric=condition"},
-         {"near --worst --seeds 3", "--seeds 3: near has no onsets"},
-         {"near --worst --against sphere.unified", "leave out --against"},
-         {"mesh-edges --worst --metric lost_bits",
-          "nearest cracks and double hits, not for a metric; leave out --metric"},
-         {"exhaustive-distance --steps 8", "tries every float of its range"},
-         {"exhaustive-distance --size 8x8", "leave out --size"},
-         {"exhaustive-distance --set radius=2", "copy the file"}});
-}
-
 TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     const Scratch scratch;
     scratch.write("s.toml", with_steps(4000));

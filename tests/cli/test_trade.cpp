@@ -111,21 +111,4 @@ TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of th
     CHECK(has(r.out, "\nnear-benign: "));
 }
 
-TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
-    check_refused(Scratch(), "trade --quick -o out",
-                  {{"-f bf16", "only f32 and f64"},
-                   {"--shape teapot", "teapot"},
-                   {"-i box.signs", "sphere.*", 4},
-                   {"--shape box -i 'sphere.*'", "box.*", 4},
-                   {"--repetitions 0", "repetitions"},
-                   {"--size 8x8", "--scene"},
-                   {"--variant r1e6", "--scene"},
-                   {"--set sphere[0].radius=2", "--scene"},
-                   {"--scene near-benign --shape sphere", "--shape"},
-                   {"--scene near-bening", "near-benign"},
-                   {"--scene rtg-fig-7-4", "rtg-fig-7-4.r1e6"},
-                   {"--scene near-benign -i 'box.*'", "sphere.*", 4}});
-    check_refused(Scratch(), "trade --quick -i sphere.press -o /dev/null/here", {{"", "/dev/null/here", 3}});
-}
-
 }  // namespace test_trade

@@ -9,7 +9,7 @@ file(REMOVE_RECURSE ${WORK_DIR})
 step(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
 step(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
     ${options})
-step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
+step(${CMAKE_COMMAND} --build ${WORK_DIR}/build --parallel)
 step(${WORK_DIR}/build/consumer)
 string(STRIP "${last_output}" last_output)
 if(NOT last_output STREQUAL "t = 4, lost bits = 0")
@@ -27,7 +27,7 @@ endforeach()
 # A form in a project of its own, as docs/your-own-form.md has it: a library that carries every arithmetic.
 step(${CMAKE_COMMAND} -S ${FORM_DIR} -B ${WORK_DIR}/form -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
     ${options})
-step(${CMAKE_COMMAND} --build ${WORK_DIR}/form)
+step(${CMAKE_COMMAND} --build ${WORK_DIR}/form --parallel)
 step(${WORK_DIR}/prefix/bin/lostbits plugin check ${WORK_DIR}/form/geometric.so)
 step(${WORK_DIR}/prefix/bin/lostbits explain near-benign --pixel 128,128 -i example.geometric -f fp16
     --plugin ${WORK_DIR}/form/geometric.so)

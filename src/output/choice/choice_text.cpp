@@ -72,7 +72,7 @@ std::string kept(const Worth& worth, int precision, const Wish& wish) {
 }
 
 std::string decisions(const Worth& worth) {
-    if (worth.wrong == 0) return "no wrong decision in " + scene::toml::counted(worth.rays, "ray");
+    if (worth.wrong == 0) return fmt::format("no wrong decision in {}", scene::toml::counted(worth.rays, "ray"));
     const auto share = worth.wrong_fraction();
     return fmt::format("{} of {} decided wrongly ({}%)", worth.wrong, scene::toml::counted(worth.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));

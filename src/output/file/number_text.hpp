@@ -1,6 +1,7 @@
 // Numbers as text that reads back to the same bits, and lists.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -9,6 +9,7 @@
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
+#include "output/file/number_text.hpp"
 #include "output/mend/form_code.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -66,9 +67,10 @@ std::string diff_of(const MendResult& r, const Tape& now) {
 /// `here`: on the rays that were searched on.
 std::string apart_in_words(const MendResult& r, const Worth& here, const Worth& apart) {
     const auto& m = r.mended;
-    const std::string where = r.request.scene ? fmt::format("{}x{} other pixels, on which nothing was searched",
-                                                            m.apart.width, m.apart.height)
-                                              : fmt::format("all {} rays of the file", r.request.rays->rays);
+    const std::string where =
+        r.request.scene
+            ? fmt::format("{}x{} other pixels, on which nothing was searched", m.apart.width, m.apart.height)
+            : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
     std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
                                    in_words(m.own_apart, r.request.wish));
     if (here.meets(r.request.wish) && !apart.meets(r.request.wish))
@@ -250,8 +252,10 @@ std::string in_words(const MendResult& r) {
                             in_words(r.catalogue_worth.front(), wish), r.catalogue.size(), meet);
     }
     text += prices_in_words(r);
-    return text + fmt::format("Tried: {} on all {} rays.\n", scene::toml::counted(m.tried, "candidate"),
-                              r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size());
+    return text +
+           fmt::format("Tried: {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
+                       scene::toml::counted(
+                           r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
 }
 
 }  // namespace lostbits::output::mend

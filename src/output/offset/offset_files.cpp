@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "measure/offset/offsets.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
@@ -266,12 +267,11 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
         const double largest = on.safe.quantile(1);
         const std::string safe =
             std::isnan(largest)
-                ? "no offset is safe at any of " + scene::toml::counted(on.never_safe, "point")
-                : fmt::format(
-                      "smallest safe offset up to {:.3g}{}", largest,
-                      on.never_safe == 0
-                          ? ""
-                          : fmt::format(" ({} none)", scene::toml::counted(on.never_safe, "point has", "points have")));
+                ? fmt::format("no offset is safe at any of {}", scene::toml::counted(on.never_safe, "point"))
+                : fmt::format("smallest safe offset up to {:.3g}{}", largest,
+                              on.never_safe == 0   ? ""
+                              : on.never_safe == 1 ? " (1 point has none)"
+                                                   : fmt::format(" ({} points have none)", on.never_safe));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", of, name_of(side), safe,
                                     scene::toml::counted(on.rays, "ray"), right.empty() ? "no strategy" : right));
     }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
@@ -17,6 +18,7 @@
 namespace lostbits::output::page {
 
 using measure::answer::Outcome;
+using scene::toml::counted;
 
 namespace {
 

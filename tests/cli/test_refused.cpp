@@ -1,0 +1,179 @@
+// What every command refuses, and how it says so: the rows of refused.txt, over the files that they name.
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "catch.hpp"
+#include "every_float.hpp"
+#include "program.hpp"
+
+namespace test_refused {
+
+using namespace lostbits::test;
+
+namespace {
+
+struct Section {
+    std::string command;
+    std::vector<Refused> rows;
+};
+
+std::vector<Section> sections() {
+    std::vector<Section> all;
+    std::istringstream lines(contents(LOSTBITS_REFUSED));
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line[0] == '#') continue;
+        if (line[0] == '$') {
+            all.push_back({line.size() > 2 ? line.substr(2) : "", {}});
+            continue;
+        }
+        const auto arrow = line.find("=> ");
+        INFO(line);
+        REQUIRE(arrow != std::string::npos);
+        Refused row{line.substr(0, arrow), line.substr(arrow + 3)};
+        if (row.words.size() > 1 && std::isdigit(row.words[0]) && row.words[1] == ' ') {
+            row.code = row.words[0] - '0';
+            row.words.erase(0, 2);
+        }
+        all.back().rows.push_back(row);
+    }
+    return all;
+}
+
+/// The command of a row.
+std::string command_of(const Section& section, const Refused& row) {
+    const std::string words = section.command.empty() ? row.words : section.command;
+    return words.substr(0, words.find(' '));
+}
+
+using Files = std::map<std::string, std::string>;
+
+Files scenes() {
+    std::string endless = "schema = \"lostbits-scene/1\"\nx";
+    for (int i = 0; i < 60000; ++i) endless += ".a";
+    return {{"mine.toml", good_scene},
+            {"other.toml", good_scene},
+            {"scene.toml", good_scene},
+            {"key.toml", spoilt("look_at", "lookat")},
+            {"negative.toml", spoilt("radius = 1", "radius = -1")},
+            {"book.toml", spoilt("title = \"", "title = \"" + std::string(400, 'x'))},
+            {"deep.toml", endless + " = 1\n"},
+            {"hole.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 9\n"},
+            {"hole.toml", scene_text("[[mesh]]\nfile = \"hole.obj\"\n")},
+            {"boxes.toml",
+             spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
+}
+
+Files sweeps() {
+    const auto spoil = [](const std::string& what, const std::string& by) { return replaced(small_sweep, what, by); };
+    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\n",
+                      noted = head + "note = \"-\"\n", every = every_float_to("0x1.6bp10"),
+                      one_case = head +
+                                 "[[case]]\nname = \"one\"\nspheres = [{ centre = [0, 0, 5], radius = 2 }]\n"
+                                 "rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]\n",
+                      search = head +
+                               "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\n"
+                               "starts = 2\ngenerations = 8\n";
+    return {
+        {"s.toml", small_sweep},
+        {"set.toml", spoil("distance\"]", "distanse\"]")},
+        {"form.toml", spoil("distance_radii", "form")},
+        {"f.toml", small_sweep + "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\n"
+                                 "from = \"0x1.fffff0p-1\"\nto = \"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n"},
+        {"axis.toml",
+         noted + "scene = \"near-bening\"\n[[axis]]\nname = \"a\"\nfrom = 1\nto = 2\nset = [\"sphere[0].radius\"]\n"},
+        {"edges.toml", noted + "[edge_search]\nscene = \"near-bening\"\n"},
+        {"family.toml", head + "[family]\n[[axis]]\n"},
+        {"cases.toml", one_case},
+        {"search.toml", search},
+        {"bit.toml", search + "metric = \"lost_bit\"\n"},
+        {"culprit.toml", search + "metric = \"culprit\"\n"},
+        {"every.toml", every},
+        {"bare.toml", replaced(every, "[sphere]", "[sphere_of_nothing]")}};
+}
+
+/// A .npy of rays that lie as a picture of one row.
+std::string rays_in_a_row(int count) {
+    std::string head =
+        "{'descr': [('ox','<f4'),('oy','<f4'),('oz','<f4'),('dx','<f4'),('dy','<f4'),('dz','<f4')], "
+        "'fortran_order': False, 'shape': (1, " +
+        std::to_string(count) + "), }";
+    head += std::string(180 - head.size(), ' ') + '\n';  // 192 bytes with the ten in front
+    std::string bytes = std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(head.size()) + '\0' + head;
+    const float ray[] = {0, 0, -5, 0, 0, 1};
+    for (int i = 0; i < count; ++i) bytes.append(reinterpret_cast<const char*>(ray), sizeof ray);
+    return bytes;
+}
+
+Files rays_and_tables() {
+    const std::string bare = "ox,oy,oz,dx,dy,dz", head = bare + ",hit,t\n", good = "0,0,-5,0,0,1,1,4\n",
+                      solid = bare + ",cx,cy,cz,radius\n", ray = "0,0,0,0,0,1,0,0,5,1\n",
+                      table = "form,ulp_error\npress,";
+    return {{"rays.csv", head + good},
+            {"word.csv", head + good + "0,0,-5,0,0,1,1,x\n"},
+            {"cells.csv", head + good + "0,0,-5,0,0,1\n"},
+            {"head.csv", head},
+            {"bare.csv", bare + "\n0,0,-5,0,0,1\n"},
+            {"empty.csv", ""},
+            {"no-rays.csv", solid},
+            {"nan.csv", solid + ray + "nan,0,0,0,0,1,0,0,5,1\n"},
+            {"zero.csv", solid + "0,0,0,0,0,0,0,0,5,1\n"},
+            {"columns.csv", "a,b,c\n1,2,3\n"},
+            {"solid.csv", bare + "\n0,0,0,0,0,1\n"},
+            {"one.csv", solid + ray},
+            {"a.csv", table + "1\n"},
+            {"b.csv", table + "2\n"},
+            {"ragged.csv", table + "1\n\nx,2\n"},
+            {"wide.npy", rays_in_a_row(65537)},
+            {"bad.exr", "no picture"},
+            {"other.exr", "nor this"},
+            {"c.txt", "text"}};
+}
+
+Files claims() {
+    const std::string inside = "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                      missed = metric_in("false_miss_fraction", "[1, 1]"),
+                      times = "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" +
+                              tested("box.signs") + "over = { kernel = \"128\" }\n";
+    return {{"wide.toml", claims_of({{"a", inside, missed}})},
+            {"twice.toml", claims_of({{"a", inside, missed}, {"a", inside, missed}})},
+            {"t.toml", claims_of({{"t", times, metric_in("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
+}
+
+/// The rows of one command; `command` is empty for those that few rows ask.
+void hold(const std::set<std::string>& apart, bool named) {
+    draw_pictures();
+    const Scratch scratch;
+    for (const Files& files : {scenes(), sweeps(), rays_and_tables(), claims()})
+        for (const auto& [name, text] : files) scratch.write(name, text);
+    fs::create_directory(scratch / "folder");
+    for (const Section& section : sections()) {
+        std::vector<Refused> rows;
+        for (const Refused& row : section.rows)
+            if (apart.contains(command_of(section, row)) == named) rows.push_back(row);
+        check_refused(scratch, section.command, rows);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("what map refuses, and how it says so") { hold({"map"}, true); }
+TEST_CASE("what explain and sweep refuse, and how they say so") { hold({"explain", "sweep"}, true); }
+TEST_CASE("what every other command refuses, and how it says so") { hold({"map", "explain", "sweep"}, false); }
+
+TEST_CASE("every command refuses something, or it is said why not") {
+    std::set<std::string> known{"manual"}, refusing;  // takes no words
+    std::size_t rows = 0;
+    for (const Section& section : sections())
+        for (const Refused& row : section.rows) {
+            refusing.insert(command_of(section, row));
+            ++rows;
+        }
+    CHECK(rows > 330);
+    for (const std::string& command : commands()) {
+        INFO(command);
+        CHECK((refusing.contains(command) || known.contains(command)));
+    }
+}
+
+}  // namespace test_refused
