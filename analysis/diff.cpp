@@ -10,7 +10,6 @@
 #include "analysis/selection/options.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
-#include "output/file/number_text.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/counted.hpp"
 #include "shapes/solid.hpp"

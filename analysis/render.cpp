@@ -10,7 +10,6 @@
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
-#include "output/file/number_text.hpp"
 #include "output/picture/render_files.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/toml/counted.hpp"

@@ -12,7 +12,6 @@
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {

@@ -7,7 +7,6 @@
 
 #include "number/error.hpp"
 #include "output/file/escape.hpp"
-#include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -9,7 +9,6 @@
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/file/number_text.hpp"
 #include "output/mend/form_code.hpp"
 #include "scene/toml/counted.hpp"
 

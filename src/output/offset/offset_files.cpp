@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "measure/offset/offsets.hpp"
-#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"

@@ -7,7 +7,6 @@
 #include <limits>
 #include <sstream>
 
-#include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
