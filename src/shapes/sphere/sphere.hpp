@@ -77,6 +77,10 @@ struct Sphere {
         const T size = length(f);
         return {f.x / size, f.y / size, f.z / size};
     }
+    /// What pictures shade with: (p − G)/r, outward whichever side is seen, unit only as far as p lies on it.
+    [[nodiscard]] Vec<T> shading_normal(const Vec<T>& p) const {
+        return Vec<T>((p.x - centre.x) / radius, (p.y - centre.y) / radius, (p.z - centre.z) / radius);
+    }
     /// The point of a ray put onto the surface: G + f (r/|f|) with f = p − G.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;

@@ -45,7 +45,7 @@ Vec<T> shade_random(std::mt19937_64& engine, const ShadeRule& rule, bool shadowe
     const T ka(unit()), kd(unit()), ks(unit());
     const Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
     return shade<T>(paint, rule, mask_t<T>(shadowed),
-                    {normal_at<T>(p, sphere), unit_of<T>(light - p), unit_of<T>(eye - p)});
+                    {sphere.shading_normal(p), unit_of<T>(light - p), unit_of<T>(eye - p)});
 }
 
 }  // namespace
