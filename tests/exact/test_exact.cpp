@@ -204,7 +204,7 @@ TEST_CASE("exact: an answer that is a little wrong is told from the right one, q
     for (const Shaped& shape : shapes)
         for (const bool made : {false, true}) {
             // A torus takes as long as thirty other solids.
-            std::vector<Problem> problems(shape.name == "torus" ? 500 : 1000);
+            std::vector<Problem> problems(shape.name == "torus" ? 500 : 2000);
             (made ? draw_made : draw_random)(shape, false, {}, chance, problems);
             ask(shape.name, Way::doubles, problems, answers);
             const auto differ = [&](const auto& spoil, std::size_t exactly) {
