@@ -81,6 +81,7 @@ struct ShapeRow {
     bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
     bool flat = false;          ///< a surface with a normal: it is met from its front or its back
     bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
+    bool shaded = false;        ///< pictures are made of it: it has a normal for them
     ShapeWords words = {};
 };
 
@@ -102,11 +103,14 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
              .round = One::round,
              .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
              .edges = One::edges,
-             .words = One::words};
-        for (const Key& key : r.keys) r.numbers += key.count();
-    });
-    return rows;
-}();
+             .shaded = requires(const One& one, const Vec<float>& p){one.shading_normal(p); },
+             .words = One::words
+};
+for (const Key& key : r.keys) r.numbers += key.count();
+});
+return rows;
+}
+();
 
 }  // namespace detail
 

@@ -3,7 +3,6 @@
 // says how many rays of each kind.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -11,22 +10,11 @@
 #include "catch.hpp"
 #include "exact/check.hpp"
 #include "exact/draw.hpp"
-#include "intersect/form_list.hpp"
+#include "exact/hard_tori.hpp"
+#include "intersect/filter/first_met.hpp"
+#include "intersect/filter/first_met_quartic.hpp"
+#include "intersect/simd/packed.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/takes.hpp"
-#include "number/pack.hpp"
-#include "number/wide/wide_pack.hpp"
-#include "shapes/box/forms/filtered.hpp"
-#include "shapes/capsule/forms/filtered.hpp"
-#include "shapes/cone/forms/filtered.hpp"
-#include "shapes/cylinder/forms/filtered.hpp"
-#include "shapes/disc/forms/filtered.hpp"
-#include "shapes/ellipsoid/forms/filtered.hpp"
-#include "shapes/plane/forms/filtered.hpp"
-#include "shapes/sphere/forms/filtered.hpp"
-#include "shapes/torus/forms/filtered.hpp"
-#include "shapes/triangle/forms/filtered.hpp"
-#include "shapes/tube/forms/filtered.hpp"
 
 namespace test_filters {
 
@@ -35,44 +23,44 @@ using namespace lostbits::exact;
 
 namespace {
 
-using ByOwnSteps = intersect::FormList<intersect::sphere::Filtered, intersect::box::FilteredSlabs,
-                                       intersect::triangle::FilteredTriangle>;
-using BySpan = intersect::FormList<  //
-    intersect::ellipsoid::FilteredEllipsoid, intersect::cylinder::FilteredCylinder, intersect::capsule::FilteredCapsule,
-    intersect::tube::FilteredTube, intersect::cone::FilteredCone, intersect::disc::FilteredDisc,
-    intersect::plane::FilteredPlane, intersect::torus::FilteredTorus>;
+using intersect::Way, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
 
 constexpr std::size_t batch = 2000;
+std::size_t rays_of_each() { return rays_or(4'000); }
 
-std::size_t rays_of_each() { return rays_or(10'000); }
-
-/// Number k of a problem: those of its ray, then those of its solid, and where the ray ends.
-constexpr std::size_t end_of_ray = 6 + most_solid;
-double number_of(const Problem& p, std::size_t k) {
-    return k == end_of_ray ? p.tmax : k < 6 ? p.ray[k] : p.solid[k - 6];
-}
-
-template <class Form>
-const Shaped& shaped() {
-    const std::string_view name = row_of(intersect::shape_of<Form>).name;
-    return *std::ranges::find(shapes, name, &Shaped::name);
-}
+constexpr bool has_own_steps(Shape shape) { return shape <= Shape::triangle; }
 
 template <class Visit>
 void for_each_filter(const Visit& visit) {
-    ByOwnSteps::for_each(visit), BySpan::for_each(visit);
+    std::size_t filters = 0;
+    for (const Intersector& form : intersect::table::catalogue())
+        if (form.way) visit(form, *std::ranges::find(shapes, name_of(form.shape), &Shaped::name)), ++filters;
+    CHECK(filters == shapes.size());
 }
 
-template <class Form>
-constexpr bool has_own_steps = intersect::shape_of<Form> <= Shape::triangle;
+template <class F>
+Solid<F> solid_of(const Intersector& form, const Problem& p) {
+    Solid<F> solid(form.shape);
+    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<F>(p.solid[k]);
+    return solid;
+}
 
-template <class Form, class T, class Number, class... Watch>
-Hit<T> ask(const Number& number, Watch&... watch) {
-    const Ray<T> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    return Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
-        return intersect::intersect_solid<Form>(ray, solid_from<S, T>([&](std::size_t k) { return number(6 + k); }),
-                                                number(end_of_ray), watch...);
-    });
+/// The rays of problems at one solid, or each at its own.
+template <class F, class Run>
+std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::span<const Solid<F>> solids) {
+    std::array<std::vector<F>, 7> columns;
+    for (const Problem& p : problems) {
+        for (std::size_t k = 0; k < 6; ++k) columns[k].push_back(static_cast<F>(p.ray[k]));
+        columns[6].push_back(static_cast<F>(p.tmax));
+    }
+    std::vector<F> t(problems.size()), near = t, far = t;
+    std::vector<std::uint8_t> hit(problems.size());
+    const auto& [ox, oy, oz, dx, dy, dz, tmax] = columns;
+    run(intersect::table::RayBatch<F>{ox, oy, oz, dx, dy, dz, tmax}, intersect::Target<F>(solids),
+        intersect::table::HitBatch<F>{t, near, far, hit});
+    std::vector<Hit<F>> found;
+    for (std::size_t i = 0; i < hit.size(); ++i) found.push_back({hit[i] != 0, t[i], near[i], far[i]});
+    return found;
 }
 
 /// t to 32u or 64u of itself and the least number of the format; of a t of 0 what rounds to it. What is not a number is
@@ -87,76 +75,111 @@ Answer answer_of(bool hit, double t, const FloatFormat& format, bool own_steps) 
     if (t == 0) a.high = a.bound = 1, a.exponent = lowest - 1;
     return a;
 }
-template <class F>
-constexpr FloatFormat format_of = sizeof(F) == 4 ? binary32 : binary64;
+/// Answers and what they are to be: all but hits at infinity.
+struct ToCheck {
+    std::vector<Problem> problems;
+    std::vector<Answer> answers;
+    std::size_t hits = 0, endless = 0;
 
-struct Tally {
-    std::size_t asked = 0, hits = 0, wrong = 0, endless = 0, differ = 0;
-    std::array<std::size_t, 4> ways{};
-    std::string first;
+    template <class F>
+    ToCheck(const Intersector& form, const FloatFormat& format, std::span<const Problem> all,
+            const std::vector<Hit<F>>& found) {
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const double t = static_cast<double>(found[i].t);
+            hits += found[i].hit;
+            if (found[i].hit && std::isinf(t)) ++endless;
+            else
+                problems.push_back(all[i]),
+                    answers.push_back(answer_of(found[i].hit, t, format, has_own_steps(form.shape)));
+        }
+    }
+    [[nodiscard]] std::string words_of_first(const Shaped& shape, const Findings& f) const {
+        return std::string(words_of(f.fault)) + "\n" + paste(shape, problems[f.first], answers[f.first]);
+    }
 };
 
-/// How many answers of a pack are not those of its rays, to the bit.
-template <class Form, class F>
-std::size_t differing(const Problem* problems, const Hit<F>* alone) {
-    using P = Pack<F, Registers<16>>;
-    const Hit<P> packed = ask<Form, P>([&](std::size_t k) {
-        F lanes[P::lanes];
-        for (std::size_t lane = 0; lane < P::lanes; ++lane) lanes[lane] = static_cast<F>(number_of(problems[lane], k));
-        return P::load(lanes);
-    });
-    F t[P::lanes], near[P::lanes], far[P::lanes];
-    bool hit[P::lanes];
-    packed.t.store(t), packed.near.store(near), packed.far.store(far), packed.hit.store(hit);
+/// Alone (`Isa::scalar`) or in packs.
+template <class F>
+Kernel<F> kernel_of(const Intersector& form, Isa isa) {
+    const intersect::simd::PackedRow row = intersect::simd::packed_kernels(form, isa);
+    if constexpr (sizeof(F) == 4) return row.f32;
+    else return row.f64;
+}
+
+struct Tally {
+    std::size_t asked = 0, hits = 0, wrong = 0, endless = 0, differ = 0, first_batch = 0;
+    std::array<std::size_t, 4> ways{};  ///< of the first batch, which is asked again for it
+    std::string first;
+
+    [[nodiscard]] bool go_some(Way way, std::size_t of_a_thousand) const {
+        return 1000 * ways[static_cast<std::size_t>(way)] >= of_a_thousand * first_batch;
+    }
+};
+
+template <class F>
+void add_ways(const Intersector& form, std::span<const Problem> problems, Tally& tally) {
+    const Format format = *find_format(sizeof(F) == 4 ? "f32" : "f64");
+    for (const Problem& p : problems) {
+        const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
+        ++tally.ways[static_cast<std::size_t>(form.way(format, ray, solid_of<double>(form, p), p.tmax))];
+    }
+    tally.first_batch = problems.size();
+}
+
+/// Of a pack of a ray, others of its line and the same backwards, how many answers are not those of each alone, to the
+/// bit: most are proved by less than what the first takes.
+template <class F>
+std::size_t differing(const Intersector& form, const Problem& p) {
+    std::vector<Problem> problems(16 / sizeof(F), p);
+    for (std::size_t lane = 1; lane < problems.size(); ++lane)
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (lane > 1) problems[lane].ray[i] -= problems[lane].ray[3 + i];
+            if (lane % 2 == 1) problems[lane].ray[3 + i] *= -1;
+        }
+    const Solid<F> solid = solid_of<F>(form, p);
+    const std::vector<Hit<F>> alone = ask<F>(kernel_of<F>(form, Isa::scalar), problems, {&solid, 1}),
+                              together = ask<F>(kernel_of<F>(form, Isa::w128), problems, {&solid, 1});
+    const auto same = [](F a, F b) { return a == b ? std::signbit(a) == std::signbit(b) : a != a && b != b; };
     std::size_t differ = 0;
-    for (std::size_t lane = 0; lane < P::lanes; ++lane) {
-        const auto same = [](F a, F b) { return a == b ? std::signbit(a) == std::signbit(b) : a != a && b != b; };
-        const Hit<F>& one = alone[lane];
-        differ +=
-            hit[lane] != one.hit || !same(t[lane], one.t) || !same(near[lane], one.near) || !same(far[lane], one.far);
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+        const Hit<F>&a = alone[i], &b = together[i];
+        differ += a.hit != b.hit || !same(a.t, b.t) || !same(a.near, b.near) || !same(a.far, b.far);
     }
     return differ;
 }
 
 /// Of rays that `draw(problems)` fills a batch with.
-template <class Form, class F, class Draw>
-Tally ask_all(std::size_t rays, const Draw& draw) {
+template <class F, class Draw>
+Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, const Draw& draw) {
     Tally tally;
-    std::vector<Problem> problems(batch);
+    std::vector<Problem> problems(std::min(batch, rays));
     while (tally.asked < rays) {
         draw(problems);
-        std::vector<Hit<F>> found;
-        std::vector<Problem> checked;
-        std::vector<Answer> answers;
+        std::vector<Solid<F>> solids;
         for (Problem& p : problems) {
             p.tmin = 0;
-            if (!told_end(intersect::shape_of<Form>)) p.tmax = INFINITY;
-            intersect::WayWatch watch;
-            found.push_back(ask<Form, F>([&p](std::size_t k) { return static_cast<F>(number_of(p, k)); }, watch));
-            ++tally.ways[static_cast<std::size_t>(watch.widest)];
-            tally.hits += found.back().hit;
-            if (found.back().hit && std::isinf(found.back().t)) ++tally.endless;
-            else
-                checked.push_back(p), answers.push_back(answer_of(found.back().hit, static_cast<double>(found.back().t),
-                                                                  format_of<F>, has_own_steps<Form>));
+            if (!told_end(form.shape)) p.tmax = INFINITY;
+            solids.push_back(solid_of<F>(form, p));
         }
-        const Findings f = check(shaped<Form>(), checked, answers, HUGE_VAL, 200);
-        if (tally.wrong == 0 && f.differ > 0)
-            tally.first =
-                std::string(words_of(f.fault)) + "\n" + paste(shaped<Form>(), checked[f.first], answers[f.first]);
-        tally.wrong += f.differ, tally.asked += batch;
-        constexpr std::size_t lanes = 16 / sizeof(F);
-        for (std::size_t i = 0; i < batch; i += lanes) tally.differ += differing<Form, F>(&problems[i], &found[i]);
+        if (tally.asked == 0) add_ways<F>(form, problems, tally);
+        const ToCheck all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
+                          ask<F>(kernel_of<F>(form, Isa::scalar), problems, solids));
+        const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 200);
+        if (tally.wrong == 0 && f.differ > 0) tally.first = all.words_of_first(shape, f);
+        tally.hits += all.hits, tally.endless += all.endless;
+        tally.wrong += f.differ, tally.asked += problems.size();
+        for (std::size_t i = 0; i < problems.size(); i += 16) tally.differ += differing<F>(form, problems[i]);
     }
     return tally;
 }
 
-template <class Form, class F>
-std::string words_of(const Tally& tally) {
+template <class F>
+std::string words_of(const Intersector& form, const Tally& tally) {
     std::ostringstream counts;
-    counts << Form::info.name << " in " << 8 * sizeof(F) << " bits: " << tally.asked << " rays, " << tally.hits
-           << " hits, of which " << tally.endless << " at infinity; in its own arithmetic " << tally.ways[0]
-           << ", wider " << tally.ways[1] << ", two words " << tally.ways[2] << ", exact " << tally.ways[3];
+    counts << form.info->name << " in " << 8 * sizeof(F) << " bits: " << tally.asked << " rays, " << tally.hits
+           << " hits, of which " << tally.endless << " at infinity; of the first " << tally.first_batch
+           << " in its own arithmetic " << tally.ways[0] << ", wider " << tally.ways[1] << ", two words "
+           << tally.ways[2] << ", exact " << tally.ways[3];
     return counts.str();
 }
 
@@ -180,76 +203,28 @@ constexpr std::array<Shares, 11> least{{{"sphere", 610, 830, 290, 400, 3, 440},
 
 template <class F>
 void hold(bool made) {
-    for_each_filter([made]<class Form>() {
+    for_each_filter([made](const Intersector& form, const Shaped& shape) {
         // What checks a torus takes as long as of thirty other solids, and t of every twentieth is too large.
-        constexpr bool dear = std::same_as<Form, intersect::torus::FilteredTorus>;
+        const bool dear = form.shape == Shape::torus;
         Chance chance(made ? 2 : 1);
-        const Tally tally = ask_all<Form, F>(rays_of_each() / (dear ? 5 : 1), [&](std::vector<Problem>& problems) {
-            (made ? draw_made : draw_random)(shaped<Form>(), sizeof(F) == 4, {}, chance, problems);
-        });
-        const std::string counts = words_of<Form, F>(tally);
+        const auto draw = [&](std::vector<Problem>& problems) {
+            (made ? draw_made : draw_random)(shape, sizeof(F) == 4, {}, chance, problems);
+        };
+        const Tally tally = ask_all<F>(form, shape, rays_of_each() / (dear ? 5 : 1), draw);
+        const std::string counts = words_of<F>(form, tally);
         INFO(counts << "; " << tally.first);
         CHECK(tally.wrong == 0);
         CHECK(tally.differ == 0);
         CHECK(tally.endless < tally.hits / (dear ? 12 : 20));
         CHECK((tally.ways[1] > 0) == (sizeof(F) == 4));
-        const auto* const row = std::ranges::find(least, shaped<Form>().name, &Shares::shape);
+        const auto* const row = std::ranges::find(least, shape.name, &Shares::shape);
         REQUIRE(row != least.end());
-        const auto share = [&tally](std::size_t n) { return 1000 * n / tally.asked; };
-        CHECK(share(tally.hits) >= (made ? row->hits : row->random_hits));
-        CHECK(share(tally.ways[0]) >= (made ? row->own : row->random_own));
-        CHECK((!made || share(tally.ways[2]) >= row->two_words));
-        CHECK((!made || sizeof(F) == 4 || share(tally.ways[3]) >= row->exact));
+        CHECK(1000 * tally.hits >= (made ? row->hits : row->random_hits) * tally.asked);
+        CHECK(tally.go_some(Way::own, made ? row->own : row->random_own));
+        CHECK((!made || tally.go_some(Way::two_words, row->two_words)));
+        CHECK((!made || sizeof(F) == 4 || tally.go_some(Way::exact, row->exact)));
         if (are_rays_asked()) WARN(counts);
     });
-}
-
-/// Tori of small whole numbers, and rays at what is left of them in one point: along the top, in the plane along either
-/// equator, along the axis beside the rim of the hole or through the middle, through both sides at once. `horn`: with
-/// a hole of one point. One number in six may be moved by an ulp.
-template <class F>
-Problem beside_torus(Chance& chance, bool horn) {
-    const auto whole = [&](int n) { return static_cast<double>(1 + chance.below(n)); };
-    const auto side = [&] { return chance.below(2) == 0 ? 1.0 : -1.0; };
-    const double minor = 5 * whole(6), major = horn ? minor : minor + 5 * whole(6), away = whole(60);
-    const double edge = chance.below(2) == 0 ? major + minor : major - minor;
-    std::array<double, 3> o{-4 * away, 3 * away, side() * minor}, d{4, -3, 0};
-    switch (chance.below(5)) {
-        case 0: break;
-        case 1: o = {edge / 5 * 3 - 4 * away, edge / 5 * 4 + 3 * away, 0}; break;
-        case 2: o = {edge / 5 * 3, edge / 5 * 4, away}, d = {0, 0, -whole(4)}; break;
-        case 3: o = {0, 0, away}, d = {chance.below(2) * whole(3), 0, -whole(3)}; break;
-        default: o = {-4 * away, 3 * away, side() * minor * away / major}, d = {4 * major, -3 * major, -minor}; break;
-    }
-    const double scale = std::ldexp(1.0, chance.below(81) - 40), heads = chance.below(6) == 0 ? side() : 1;
-    std::array<double, 3> centre{};
-    if (chance.below(2) == 0) centre = {whole(99) - 50, whole(99) - 50, whole(99) - 50};
-    Problem p{};
-    for (std::size_t i = 0; i < 3; ++i)
-        p.ray[i] = scale * (o[i] + centre[i]), p.ray[3 + i] = heads * d[i], p.solid[i] = scale * centre[i];
-    p.solid[5] = side() * whole(3), p.solid[6] = scale * major, p.solid[7] = scale * minor;
-    if (const std::size_t k = static_cast<std::size_t>(chance.below(72)); k < 12) {
-        double& x = k < 6 ? p.ray[k] : p.solid[k - 6];
-        if (x != 0) x = std::nextafter(static_cast<F>(x), chance.below(2) == 0 ? F(0) : std::numeric_limits<F>::max());
-    }
-    for (double& x : p.ray) x = static_cast<F>(x);
-    return p;
-}
-
-/// Numbers of all sizes, of which a solid is one.
-template <class F>
-Problem torus_of_any_size(Chance& chance) {
-    const int most = sizeof(F) == 4 ? 126 : 300;
-    const auto number = [&] {
-        return static_cast<double>(static_cast<F>(std::ldexp(chance.part(), chance.below(2 * most) - most)));
-    };
-    Problem p{};
-    for (double& x : p.ray) x = number();
-    for (std::size_t k = 0; k < 6; ++k) p.solid[k] = chance.below(3) == 0 ? 0 : number();
-    p.solid[5] = number();
-    const double one = std::fabs(number()), other = std::fabs(number());
-    p.solid[6] = std::fmax(one, other), p.solid[7] = std::fmin(one, other);
-    return p;
 }
 
 }  // namespace
@@ -264,83 +239,74 @@ TEMPLATE_TEST_CASE("exact: so do they where something is exactly equal", "[exact
 
 TEMPLATE_TEST_CASE("exact: the filter of tori decides right at what one point is left of", "[exact][filtered]", float,
                    double) {
-    using Form = intersect::torus::FilteredTorus;
+    const Intersector& form = *std::ranges::find(intersect::table::catalogue(), "torus.filtered",
+                                                 [](const Intersector& row) { return row.info->name; });
     for (const char* const kind : {"touched", "without a hole", "of any size"}) {
         const bool any_size = kind == std::string_view("of any size");
         Chance chance(4);
-        const Tally tally = ask_all<Form, TestType>(rays_of_each() / 5, [&](std::vector<Problem>& problems) {
+        const auto draw = [&](std::vector<Problem>& problems) {
             for (Problem& p : problems)
                 p = any_size ? torus_of_any_size<TestType>(chance)
                              : beside_torus<TestType>(chance, kind == std::string_view("without a hole"));
-        });
-        const std::string counts = words_of<Form, TestType>(tally);
+        };
+        const Tally tally = ask_all<TestType>(form, shapes.back(), rays_of_each() / 5, draw);
+        const std::string counts = words_of<TestType>(form, tally);
         INFO(kind << ": " << counts << "; " << tally.first);
         CHECK(tally.wrong == 0);
         CHECK(tally.differ == 0);
         CHECK(tally.hits > tally.asked / 50);
-        CHECK(tally.ways[3] > (any_size ? 0 : tally.asked / 10));
+        CHECK(tally.ways[3] > (any_size ? 0 : tally.first_batch / 10));
         if (are_rays_asked()) WARN(kind << ": " << counts);
     }
 }
 
 /// The same formula without a filter: this test sees what a filter is for.
 TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtered]") {
-    BySpan::for_each([]<class Form>() {
+    for_each_filter([](const Intersector& form, const Shaped& shape) {
+        if (has_own_steps(form.shape)) return;
         Chance chance(3);
         std::vector<Problem> problems(batch);
         std::vector<Answer> answers;
-        draw_made(shaped<Form>(), true, {}, chance, problems);
+        draw_made(shape, true, {}, chance, problems);
         for (Problem& p : problems) {
             p.tmin = 0, p.tmax = INFINITY;
-            const auto number = [&p](std::size_t k) { return static_cast<float>(number_of(p, k)); };
+            const auto number = [&p](std::size_t k) { return static_cast<float>(p.ray[k]); };
             const Ray<float> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-            const auto met = Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
-                const auto solid = solid_from<S, float>([&](std::size_t k) { return number(6 + k); });
-                return intersect::filter::first_met(solid.span(ray));
+            visit(solid_of<float>(form, p), [&](const auto& solid) {
+                if constexpr (requires { intersect::filter::first_met(solid.span(ray)); }) {
+                    const auto met = intersect::filter::first_met(solid.span(ray));
+                    answers.push_back(answer_of(met.hit, static_cast<double>(met.t), binary32, false));
+                }
             });
-            answers.push_back(answer_of(met.hit, static_cast<double>(met.t), binary32, false));
         }
-        INFO(Form::info.name);
-        CHECK(check(shaped<Form>(), problems, answers, HUGE_VAL, 200).differ > 0);
+        INFO(form.info->name);
+        CHECK(check(shape, problems, answers, HUGE_VAL, 200).differ > 0);
     });
 }
 
 /// Formats that no number of the processor has, of whole numbers that they hold.
 TEST_CASE("exact: filters decide right and keep their bits in formats of 16 bits and half", "[exact][filtered]") {
     for (const char* const name : {"p16", "fp16"})
-        for_each_filter([name]<class Form>() {
-            const Format format = *find_format(name);
-            const auto& rows = intersect::table::catalogue();
-            const auto& row = *std::ranges::find_if(rows, [](const auto& r) { return r.info == &Form::info; });
+        for_each_filter([name](const Intersector& form, const Shaped& shape) {
+            const FloatFormat format = find_format(name)->parameters;
+            const auto is_held = [&](double x) { return std::fabs(x) < 64 && rounding::to_format(x, 0, format) == x; };
             Chance chance(5);
             std::vector<Problem> some(batch), asked;
-            std::vector<Answer> answers;
-            draw_made(shaped<Form>(), true, {}, chance, some);
-            std::size_t hits = 0;
+            std::vector<Solid<double>> solids;
+            draw_made(shape, true, {}, chance, some);
             for (Problem& p : some) {
                 p.tmin = 0, p.tmax = INFINITY;
-                const auto is_held = [&](double x) {
-                    return std::fabs(x) < 64 && rounding::to_format(x, 0, format.parameters) == x;
-                };
                 if (!std::ranges::all_of(p.ray, is_held) || !std::ranges::all_of(p.solid, is_held)) continue;
-                const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
-                Solid<double> solid(intersect::shape_of<Form>);
-                std::copy_n(p.solid.begin(), solid.used().size(), solid.numbers.begin());
-                double t, near, far;
-                std::uint8_t hit;
-                row.rounded(format.parameters, {column(0), column(1), column(2), column(3), column(4), column(5)},
-                            solid, {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
-                hits += hit;
-                if (hit != 0 && std::isinf(t)) continue;
-                asked.push_back(p), answers.push_back(answer_of(hit != 0, t, format.parameters, has_own_steps<Form>));
+                asked.push_back(p), solids.push_back(solid_of<double>(form, p));
             }
-            const Findings f = check(shaped<Form>(), asked, answers, HUGE_VAL, 20);
-            INFO(Form::info.name << " in " << name << ": " << asked.size() << " rays, " << hits << " hits; "
-                                 << words_of(f.fault) << "\n"
-                                 << paste(shaped<Form>(), asked[f.first], answers[f.first]));
+            const auto in_format = [&](const auto&... batch_of) { form.rounded(format, batch_of...); };
+            const ToCheck all(form, format, asked, ask<double>(in_format, asked, solids));
+            const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 20);
+            INFO(form.info->name << " in " << name << ": " << all.problems.size() << " rays, " << all.hits << " hits; "
+                                 << all.words_of_first(shape, f));
             CHECK(f.differ == 0);
-            CHECK(hits > asked.size() / 20);
-            CHECK(asked.size() > batch / 4);
+            CHECK(all.hits > all.problems.size() / 20);
+            CHECK(all.problems.size() > batch / 4);
         });
 }
 

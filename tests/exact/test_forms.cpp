@@ -10,11 +10,11 @@
 #include "counts.hpp"
 #include "exact/check.hpp"
 #include "exact/draw.hpp"
-#include "intersect/catalogue.hpp"
 #include "intersect/table/table.hpp"
 #include "intersect/takes.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"
+#include "shapes/torus/forms/forms.hpp"
 
 namespace test_forms {
 
@@ -23,7 +23,7 @@ using namespace lostbits::exact;
 
 namespace {
 
-using intersect::Direction, intersect::Facing, intersect::Roots;
+using intersect::Direction, intersect::Facing, intersect::Roots, intersect::table::Intersector;
 
 template <class T>
 Ray<T> ray_of(const Problem& p) {
@@ -89,21 +89,55 @@ Answer answer_of(bool hit, const Real& t) {
     return a;
 }
 
-template <class Form>
-Hit<Real> answer_in_real(const Ray<Real>& ray, const Problem& p) {
-    const auto number = [&p](std::size_t k) { return Real(p.solid[k]); };
-    return intersect::intersect_numbers<Form, Real>(ray, number, Real(HUGE_VAL));
+/// What a form answers without rounding; nothing of what is not told to 2^-200.
+struct Unrounded {
+    std::optional<bool> hit;
+    std::optional<Real> t, near, far;
+};
+
+std::optional<Real> number_of(const Real& x) { return x; }
+std::optional<Real> number_of(const Interval& x) {
+    if (x.undefined() == Undefined::always) return Real(NAN);
+    if (!x.is_bounded()) return std::nullopt;
+    Real low, high;
+    mpfr_set(low.backend().data(), x.lower(), MPFR_RNDN), mpfr_set(high.backend().data(), x.upper(), MPFR_RNDN);
+    return high - low <= ldexp(abs(high) + 1, -200) ? std::optional(high) : std::nullopt;
 }
 
-/// What a form answers without rounding, in lengths of the direction as it is stored.
-template <class Form>
-Hit<Real> unrounded(const Problem& p) {
-    Ray<Real> ray = ray_of<Real>(p);
-    const Real size = Form::info.direction == Direction::unit ? length(ray.direction) : Real(1);
-    for (int k = 0; k < 3; ++k) ray.direction[k] /= size;
-    Hit<Real> h = answer_in_real<Form>(ray, p);
-    h.t /= size, h.near /= size, h.far /= size;
-    return h;
+/// `size`: by what t is divided.
+template <class T>
+Unrounded told(const Hit<T>& h, const T& size) {
+    if (!is_certain(h.hit) && !is_certain(!h.hit)) return {};
+    return {is_certain(h.hit), number_of(h.t / size), number_of(h.near / size), number_of(h.far / size)};
+}
+
+/// `made_unit`: of the direction made unit, in lengths of the direction as it is stored.
+template <class T, class Form>
+Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
+    Ray<T> ray = ray_of<T>(p);
+    if (!made_unit) return told(form(ray), T(1));
+    const T size = length(ray.direction);
+    for (int k = 0; k < 3; ++k) ray.direction[k] = ray.direction[k] / size;
+    return told(form(ray), size);
+}
+
+/// Of solvers of degree four no enclosure decides anything: forms of tori are asked over 256 bits, all others over
+/// intervals of 400, which are compiled already.
+Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& p, bool made_unit) {
+    Unrounded found;
+    if (form.shape == Shape::torus) {
+        intersect::torus::TorusForms::for_each([&]<class Form>() {
+            if (&Form::info != form.info) return;
+            found = unrounded_in<Real>(p, made_unit, [&p](const Ray<Real>& ray) {
+                return intersect::intersect_numbers<Form, Real>(
+                    ray, [&p](std::size_t k) { return Real(p.solid[k]); }, Real(HUGE_VAL));
+            });
+        });
+        return found;
+    }
+    const Interval::Precision precision(400);
+    const auto solid = transformed(solid_of(shape, p), [](double x) { return Interval(x); });
+    return unrounded_in<Interval>(p, made_unit, [&](const Ray<Interval>& ray) { return form.interval(ray, solid); });
 }
 
 struct Tally {
@@ -115,40 +149,40 @@ struct Tally {
 };
 
 /// Whether what a form promises to answer without rounding includes this problem.
-template <class Form>
-bool is_asked(const Shaped& shape, const Problem& p, bool made) {
+bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
     // Where |d1| < 1e-4 its root is taken to be 0: test_tori has what follows.
-    if (Form::info.name == "torus.quilez") return false;
+    if (form.name == "torus.quilez") return false;
     // Where two roots are one, complex ones too, the last remainder is 0, and rounded in any precision it has a sign.
     for (const char* const chain : {"sturm", "bracketed", "bracketed_double", "filtered"})
-        if (made && shape.name == "torus" && Form::info.name.substr(6) == chain) return false;
+        if (made && shape.name == "torus" && form.name.substr(6) == chain) return false;
     // Rays that are made pass corners as near as it pads.
-    if (made && Form::info.name == "box.max_mult") return false;
+    if (made && form.name == "box.max_mult") return false;
     // By forms of boxes 0·∞ goes where the order of operands sends it: test_box_known has what follows.
     if (shape.name == "box" && p.ray[3] * p.ray[4] * p.ray[5] == 0) return false;
     const Solid<double> solid = solid_of(shape, p);
     const Ray<double> ray = ray_of<double>(p);
-    if (Form::info.facing != Facing::both)
-        return measure::truth::find_truth(ray, solid, {}, Form::info.convention()).is_hit() ==
+    if (form.facing != Facing::both)
+        return measure::truth::find_truth(ray, solid, {}, form.convention()).is_hit() ==
                measure::truth::find_truth(ray, solid).is_hit();
-    return Form::info.roots != Roots::near_only ||
+    return form.roots != Roots::near_only ||
            visit(solid, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
 }
 
 /// Where the ray is met, and, of a form with both roots, where it is met last: first by one that comes back.
-template <class Form>
-void ask(const Problem& p, Tally& tally) {
-    const Hit<Real> h = unrounded<Form>(p);
-    ++tally.asked, tally.hits += h.hit;
-    tally.add(p, answer_of(h.hit, h.t));
-    if (!h.hit || Form::info.roots != Roots::both || Form::info.name == "box.max_mult") return;  // which pads it
-    const double from = std::exp2(2 + std::fmax(10, std::ilogb(h.far.convert_to<double>())));
+void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& tally) {
+    const Unrounded h = unrounded(form, shape, p, form.info->direction == Direction::unit);
+    if (!h.hit || (*h.hit && !h.t)) return;
+    ++tally.asked, tally.hits += *h.hit;
+    tally.add(p, answer_of(*h.hit, h.t.value_or(Real(0))));
+    if (!*h.hit || form.info->roots != Roots::both || !h.far || form.info->name == "box.max_mult")
+        return;  // which pads it
+    const double from = std::exp2(2 + std::fmax(10, std::ilogb(h.far->convert_to<double>())));
     Problem back = p;
     for (std::size_t i = 0; i < 3; ++i) {
         back.ray[i] += from * p.ray[i + 3], back.ray[i + 3] = -p.ray[i + 3];
         if (back.ray[i] - from * p.ray[i + 3] != p.ray[i]) return;
     }
-    tally.add(back, answer_of(true, from - h.far));
+    tally.add(back, answer_of(true, from - *h.far));
 }
 
 /// Whether what an enclosure says of a number is true of 256 bits, of which a form may lose half.
@@ -174,10 +208,11 @@ struct Enclosures {
     std::size_t doubles = 0;                        ///< that intervals of 53 bits were held against
 
     template <class E>
-    void hold(const Hit<E>& got, const Hit<Real>& want, std::optional<bool>& verdict) {
-        if (want.hit || !by_other_steps)
-            wrong += !contains(got.t, want.t) || !contains(got.near, want.near) || !contains(got.far, want.far);
-        wrong += (got.hit.is_yes() && !want.hit) || (got.hit.is_no() && want.hit);
+    void hold(const Hit<E>& got, const Unrounded& want, std::optional<bool>& verdict) {
+        const auto misses = [](const E& x, const std::optional<Real>& v) { return v && !contains(x, *v); };
+        if (want.hit && (*want.hit || !by_other_steps))
+            wrong += misses(got.t, want.t) || misses(got.near, want.near) || misses(got.far, want.far);
+        wrong += want.hit && (*want.hit ? got.hit.is_no() : got.hit.is_yes());
         bounded += got.t.is_bounded();
         if (got.hit.is_unknown()) return;
         contradictory += verdict && *verdict != got.hit.is_yes();
@@ -186,8 +221,7 @@ struct Enclosures {
     /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step:
     /// but for forms that bound or pad by the unit roundoff, which is none for intervals, and filters, which take other
     /// steps. That of boxes takes none of these.
-    void hold_double(const intersect::table::Intersector& row, const Problem& p, const Solid<double>& solid,
-                     const Hit<Interval>& got) {
+    void hold_double(const Intersector& row, const Problem& p, const Solid<double>& solid, const Hit<Interval>& got) {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
         for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
             if (form == pads) return;
@@ -202,13 +236,12 @@ struct Enclosures {
         wrong += (got.hit.is_yes() && hit == 0) || (got.hit.is_no() && hit != 0) || misses(got.t, want.t) ||
                  misses(got.near, want.near) || misses(got.far, want.far);
     }
-    template <class Form>
-    void ask(const intersect::table::Intersector& row, const Shaped& shape, Problem p) {
-        if (Form::info.direction == Direction::unit) {
+    void ask(const Intersector& row, const Shaped& shape, Problem p) {
+        if (row.info->direction == Direction::unit) {
             const double size = length(ray_of<double>(p).direction);
             for (std::size_t i = 3; i < 6; ++i) p.ray[i] /= size;
         }
-        const Hit<Real> want = answer_in_real<Form>(ray_of<Real>(p), p);
+        const Unrounded want = unrounded(row, shape, p, false);
         const auto target = [solid = solid_of(shape, p)]<class E>(const E&) {
             return transformed(solid, [](double x) { return E(x); });
         };
@@ -223,50 +256,29 @@ struct Enclosures {
             hold(got, want, verdict);
             if (bits == 53) hold_double(row, p, solid_of(shape, p), got);
         }
-        ++asked[want.hit], decided[want.hit] += verdict.has_value();
+        const bool hit = want.hit ? *want.hit : meet(shape.quickly, p).is_hit();
+        ++asked[hit], decided[hit] += verdict.has_value();
     }
 };
 
-/// Of a hundred hits and misses of every form of a shape, how many at least some enclosure decides; and of a form by
-/// itself, where that is fewer: `exclusive` makes tmin = tmax of most rays that miss, frames divide by lengths that may
-/// be 0, and of solvers of degree four in closed form no enclosure up to 250 bits decides anything.
+/// Of a hundred hits and misses of a form, how many at least some enclosure decides, where that is not the usual 96:
+/// `exclusive` makes tmin = tmax of most rays that miss, frames divide by lengths that may be 0, and of solvers of
+/// degree four in closed form no enclosure up to 250 bits decides anything.
 struct Decided {
     std::string_view name;
     std::size_t hits, misses;
 };
-constexpr Decided decided_of[] = {{"box.exclusive", 96, 25},
-                                  {"cylinder.framed", 90, 74},
-                                  {"tube.framed", 96, 75},
-                                  {"tube.celeritas", 96, 75},
-                                  {"tube.pbrt_interval", 96, 75},
-                                  {"tube.mitsuba", 96, 75},
-                                  {"tube.detray", 96, 75},
-                                  {"tube.framed_moment", 96, 75},
-                                  {"cone.framed", 85, 78},
-                                  {"disc.framed", 80, 90},
-                                  {"torus.graphics_gems", 0, 0},
-                                  {"torus.quilez", 0, 0},
-                                  {"torus.pov_ray", 0, 0},
-                                  {"torus.brl_cad", 0, 0},
-                                  {"torus.double_inside", 0, 0},
-                                  {"torus.closest_approach", 0, 0},
-                                  {"sphere", 96, 96},
-                                  {"box", 96, 96},
-                                  {"triangle", 96, 96},
-                                  {"ellipsoid", 96, 96},
-                                  {"cylinder", 96, 96},
-                                  {"capsule", 96, 96},
-                                  {"tube", 96, 96},
-                                  {"cone", 96, 96},
-                                  {"disc", 96, 96},
-                                  {"plane", 96, 96},
-                                  {"torus", 96, 96}};
+constexpr Decided decided_of[] = {
+    {"box.exclusive", 96, 25},       {"cylinder.framed", 90, 74},    {"tube.framed", 96, 75},
+    {"tube.celeritas", 96, 75},      {"tube.pbrt_interval", 96, 75}, {"tube.mitsuba", 96, 75},
+    {"tube.detray", 96, 75},         {"tube.framed_moment", 96, 75}, {"cone.framed", 85, 78},
+    {"disc.framed", 80, 90},         {"torus.graphics_gems", 0, 0},  {"torus.quilez", 0, 0},
+    {"torus.pov_ray", 0, 0},         {"torus.brl_cad", 0, 0},        {"torus.double_inside", 0, 0},
+    {"torus.closest_approach", 0, 0}};
 
-const Decided& least_decided(std::string_view form, std::string_view shape) {
-    const Decided* row = std::ranges::find(decided_of, form, &Decided::name);
-    if (row == std::end(decided_of)) row = std::ranges::find(decided_of, shape, &Decided::name);
-    if (row == std::end(decided_of)) FAIL("not said of " << shape);
-    return *row;
+Decided least_decided(std::string_view form) {
+    const Decided* const row = std::ranges::find(decided_of, form, &Decided::name);
+    return row == std::end(decided_of) ? Decided{form, 96, 96} : *row;
 }
 
 }  // namespace
@@ -276,25 +288,22 @@ TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exac
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 1000U : 10000U});
         const std::vector<Problem> random = clear_problems(shape, false, count),
                                    made = clear_problems(shape, true, count);
-        intersect::for_each_form([&]<class Form>() {
-            if constexpr (!intersect::marches<Form>) {
-                if (row_of(intersect::shape_of<Form>).name != shape.name) return;
-                Tally tally;
-                for (const std::vector<Problem>* const all : {&random, &made})
-                    for (const Problem& p : *all)
-                        if (is_asked<Form>(shape, p, all == &made)) ask<Form>(p, tally);
-                if (tally.asked == 0) return;
-                const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
-                INFO(Form::info.name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ
-                                     << " " << words_of(f.fault) << "\n"
-                                     << paste(shape, tally.problems[f.first], tally.answers[f.first]));
-                CHECK(f.differ == 0);
-                // Of 2 count; half are hits, of one side of a triangle half of these.
-                CHECK(tally.asked > count * 3 / 4);
-                CHECK(10 * tally.hits > tally.asked * (Form::info.facing == Facing::both ? 4U : 2U));
-                CHECK(tally.hits < tally.asked);
-            }
-        });
+        for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {
+            Tally tally;
+            for (const std::vector<Problem>* const all : {&random, &made})
+                for (const Problem& p : *all)
+                    if (is_asked(*form.info, shape, p, all == &made)) ask(form, shape, p, tally);
+            if (tally.asked == 0) continue;
+            const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
+            INFO(form.info->name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ
+                                 << " " << words_of(f.fault) << "\n"
+                                 << paste(shape, tally.problems[f.first], tally.answers[f.first]));
+            CHECK(f.differ == 0);
+            // Of 2 count; half are hits, of one side of a triangle half of these.
+            CHECK(tally.asked > count * 3 / 4);
+            CHECK(10 * tally.hits > tally.asked * (form.info->facing == Facing::both ? 4U : 2U));
+            CHECK(tally.hits < tally.asked);
+        }
     }
 }
 
@@ -305,24 +314,19 @@ TEST_CASE("exact: enclosures of every form contain what the form gives unrounded
         // A ray along a plane divides by 0, and solvers of degree four by what their bounds may hold to be 0.
         if (shape.name != "torus") std::ranges::copy(clear_problems(shape, true, count), std::back_inserter(problems));
         std::erase_if(problems, [](const Problem& p) { return p.ray[3] * p.ray[4] * p.ray[5] == 0; });
-        std::size_t row = 0;
-        intersect::for_each_form([&]<class Form>() {
-            const intersect::table::Intersector& form = intersect::table::catalogue()[row++];
-            if constexpr (!intersect::marches<Form>) {
-                if (row_of(intersect::shape_of<Form>).name != shape.name) return;
-                Enclosures e{.by_other_steps = Form::info.name == "torus.filtered"};
-                for (const Problem& p : problems) e.ask<Form>(form, shape, p);
-                INFO(Form::info.name << ": decided " << e.decided[1] << " of " << e.asked[1] << " hits and "
-                                     << e.decided[0] << " of " << e.asked[0] << " misses, bounded " << e.bounded
-                                     << ", doubles " << e.doubles);
-                CHECK(e.wrong == 0);
-                CHECK(e.contradictory == 0);
-                const Decided& least = least_decided(Form::info.name, shape.name);
-                CHECK(100 * e.decided[1] >= least.hits * e.asked[1]);
-                CHECK(100 * e.decided[0] >= least.misses * e.asked[0]);
-                CHECK((e.asked[0] > 0 && e.asked[1] > 0));
-            }
-        });
+        for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {
+            Enclosures e{.by_other_steps = form.info->name == "torus.filtered"};
+            for (const Problem& p : problems) e.ask(form, shape, p);
+            INFO(form.info->name << ": decided " << e.decided[1] << " of " << e.asked[1] << " hits and " << e.decided[0]
+                                 << " of " << e.asked[0] << " misses, bounded " << e.bounded << ", doubles "
+                                 << e.doubles);
+            CHECK(e.wrong == 0);
+            CHECK(e.contradictory == 0);
+            const Decided least = least_decided(form.info->name);
+            CHECK(100 * e.decided[1] >= least.hits * e.asked[1]);
+            CHECK(100 * e.decided[0] >= least.misses * e.asked[0]);
+            CHECK((e.asked[0] > 0 && e.asked[1] > 0));
+        }
     }
 }
 

@@ -36,13 +36,19 @@ Hit<Real> unrounded(const Ray<double>& ray, const Torus<double>& torus) {
 }
 
 Ray<double> ray_of(const Problem& p) { return {{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}}; }
+template <class E>
+std::pair<int, int> roots_in(const Problem& p) {
+    const Sturm<E> quartic = quartic_of(Asked<E>(p));
+    return {quartic.all(), quartic.all() - quartic.up_to(E())};
+}
 /// How many roots there are, and how many of them lie ahead.
 std::pair<int, int> roots_of(const Ray<double>& ray, const Solid<double>& solid) {
     const Vec<double>&o = ray.origin, &d = ray.direction;
     Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};
     std::ranges::copy(solid.used(), p.solid.begin());
-    const Sturm<Whole> quartic = quartic_of(Asked<Whole>(p));
-    return {quartic.all(), quartic.all() - quartic.up_to(Whole())};
+    in_doubt = false;
+    const auto roots = roots_in<Enclosed>(p);
+    return in_doubt ? roots_in<Whole>(p) : roots;
 }
 
 }  // namespace

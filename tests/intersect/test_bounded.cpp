@@ -127,11 +127,11 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
 
 TEST_CASE("a form's own bound is never below its error, and a decision that it proves is right",
           "[intersect][bounded]") {
-    check_bounds(draws(std::uint64_t{1} << 20), 1);
+    check_bounds(draws(std::uint64_t{1} << 20, 20), 1);
 }
 
 TEST_CASE("the same over all exponents of the format", "[intersect][bounded]") {
-    check_bounds(draws(std::uint64_t{1} << 19), 3, true);
+    check_bounds(draws(std::uint64_t{1} << 19, 20), 3, true);
 }
 
 TEST_CASE("the bounds over as many rays as asked for", "[.][long-bounds]") {

@@ -225,8 +225,8 @@ double padding(const Sample& s) {
             if (const double here = of(asked.ray, asked.box); !(here <= most)) most = here;
         return most;
     }
-    if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
-    return of(*s.ray, s.solid->box());
+    if (!s.truth || !s.solid || s.solid->shape != hull_shape) return missing;
+    return of(*s.ray, hull_of(*s.solid));
 }
 
 double padding(const Ray<float>& ray, const Hull<float>& box) { return padding_in(ray, box); }

@@ -135,7 +135,7 @@ private:
             const auto lifted_solid = lift_solid<T>(seen);
             point_[i] = as_doubles(p);
             normal_[i] = as_doubles(seen.placed ? normal_under_matrix<T>(lifted_solid, ray, answers_.t[i])
-                                                : normal_at<T>(p, lifted_solid.sphere()));
+                                                : normal_at<T>(p, lifted_solid));
             if (out_.seen[i] != Seen::same_sphere) return;
             out_.residual[i] =
                 std::fabs(residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &seen}));
@@ -154,7 +154,7 @@ private:
         const Vec<T> p =
             point_at<T>({in.ray.origin / in.scale, in.ray.direction / in.scale}, static_cast<T>(t) * in.length);
         const T sign = as_double(in.scale) == 1 || solid.placed->orientation > 0 ? T(1) : T(-1);
-        return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, solid.sphere())));
+        return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, solid)));
     }
 
     struct Cast {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "scene/file/appearance.hpp"
-#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -37,11 +36,17 @@ Vec<T> point_at(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// N = (P − G)/r, outward whichever side is seen: unit only as far as P lies on the sphere.
+/// `act` on a solid that pictures are made of, without its matrix.
+template <class T, class Act>
+auto on_rendered(const Solid<T>& solid, const Act& act) {
+    return Solids::of_shape<scene::file::rendered_shape>(
+        [&]<template <class> class S>() { return act(solid.template as<S>()); });
+}
+
+/// The normal that pictures shade with, of a point of that.
 template <Number T>
-Vec<T> normal_at(const Vec<T>& p, const Sphere<T>& sphere) {
-    return Vec<T>((p.x - sphere.centre.x) / sphere.radius, (p.y - sphere.centre.y) / sphere.radius,
-                  (p.z - sphere.centre.z) / sphere.radius);
+Vec<T> normal_at(const Vec<T>& p, const Solid<T>& solid) {
+    return on_rendered(solid, [&p](const auto& shape) { return shape.shading_normal(p); });
 }
 
 /// xⁿ for n ≥ 1 by repeated squaring, from the highest bit of n down: at most 2·log2(n) products.

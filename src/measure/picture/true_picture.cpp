@@ -61,17 +61,20 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
     return out.certain;
 }
 
-/// A ray and a sphere as it is stored, in whose space that ray has the same t.
+/// A ray and a solid as it is stored, in whose space that ray has the same t.
 template <class E>
 struct Asked {
     Ray<E> ray;
-    Sphere<E> sphere;
+    Solid<E> solid;
 
-    Asked(const Ray<E>& world, const Solid<E>& solid) : ray(world), sphere(solid.sphere()) {
-        if (!solid.placed) return;
-        const InObject<E> in = in_object(world, *solid.placed);
+    Asked(const Ray<E>& world, const Solid<E>& placed) : ray(world), solid(placed) {
+        if (!placed.placed) return;
+        const InObject<E> in = in_object(world, *placed.placed);
         ray = in.ray;
-        sphere = scaled(solid, in.scale).sphere();
+        solid = scaled(placed, in.scale);
+    }
+    [[nodiscard]] truth::Enclosed<E> enclosed() const {
+        return on_rendered(solid, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
     }
 };
 
@@ -88,7 +91,7 @@ Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
 template <class E>
 Tri blocks(const Solid<E>& solid, const Vec<E>& p, const Vec<E>& light) {
     const Asked<E> asked({p, light - p}, solid);
-    const truth::Enclosed<E> e = truth::enclose<E>(asked.ray, asked.sphere);
+    const truth::Enclosed<E> e = asked.enclosed();
     if (!e.hit.is_yes()) return e.hit;
     return e.t > E(0) && e.t < E(1);
 }
@@ -148,10 +151,10 @@ private:
         const Ray<E> ray = lift_ray<E>(rays_[i]);
         const Solid<E> solid = lift_solid<E>(solids_[object]);
         const Asked<E> asked(ray, solid);
-        const truth::Enclosed<E> e = truth::enclose<E>(asked.ray, asked.sphere);
+        const truth::Enclosed<E> e = asked.enclosed();
         if (!e.hit.is_yes()) return false;
         const Vec<E> p = point_at<E>(ray, e.t);
-        Vec<E> n = normal_at<E>(solid.placed ? point_at<E>(asked.ray, e.t) : p, asked.sphere);
+        Vec<E> n = normal_at<E>(solid.placed ? point_at<E>(asked.ray, e.t) : p, asked.solid);
         if (solid.placed) n = normal_in_world<E>(n, *solid.placed);
         out.has_normal = true;
         for (int k = 0; k < 3; ++k) out.has_normal &= tighten(n[k], out.normal[static_cast<std::size_t>(k)]);

@@ -43,7 +43,7 @@ struct ShadowRule {
 };
 
 /// What pictures are made of.
-inline constexpr Shape rendered_shape = Shape::sphere;
+inline constexpr Shape rendered_shape = std::ranges::find(shape_rows, true, &ShapeRow::shaded)->shape;
 
 struct Appearance {
     Vec<Real> background{Real(0), Real(0), Real(0)};

@@ -73,6 +73,10 @@ struct Sphere {
     }
     /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const { return unit_of(Vec<T>(p - centre)); }
+    /// What pictures shade with: (p − G)/r, outward whichever side is seen, unit only as far as p lies on it.
+    [[nodiscard]] Vec<T> shading_normal(const Vec<T>& p) const {
+        return Vec<T>((p.x - centre.x) / radius, (p.y - centre.y) / radius, (p.z - centre.z) / radius);
+    }
     /// The point of a ray put onto the surface: G + f (r/|f|) with f = p − G.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;

@@ -49,8 +49,9 @@ struct Tube {
         return bottom + u.x * axis() + (radius * x / size) * across.side + (radius * y / size) * across.other;
     }
     [[nodiscard]] std::optional<Tube> grown(const Vec<T>& still, const T& k) const {
-        const auto larger = solid().grown(still, k);
-        return larger ? std::optional(from(*larger)) : std::nullopt;
+        if (length(across(still)) == 0) return std::nullopt;
+        const Vec<T> there = onto_surface(still);
+        return Tube{there + k * (bottom - there), there + k * (top - there), k * radius};
     }
 
     /// As of the cylinder.
@@ -85,7 +86,6 @@ struct Tube {
 
 private:
     [[nodiscard]] Cylinder<T> solid() const { return {bottom, top, radius}; }
-    static Tube from(const Cylinder<T>& c) { return {c.base, c.top, c.radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
     /// How far along the axis a point is, in parts of it.
     [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }

@@ -5,10 +5,11 @@
 #include <string_view>
 
 #include "catch.hpp"
-#include "intersect/catalogue.hpp"
-#include "intersect/table/table.hpp"
+#include "intersect/ask_row.hpp"
 #include "measure/seeded.hpp"
 #include "number/real.hpp"
+#include "shapes/lift.hpp"
+#include "shapes/sphere/forms/unified.hpp"
 
 namespace lostbits::test {
 namespace {
@@ -29,21 +30,16 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
         const Vec<double> origin = stored(centre - away * towards);
         const Vec<double> aim = centre + 0.6 * radius * side - origin;
         const Ray<double> ray{origin, stored((1 / length(aim)) * aim)};
-        const auto answer = [&]<class Form, class T>() {
-            const auto vec = [](const Vec<double>& v) {
-                return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-            };
-            return Form::intersect(Ray<T>{vec(ray.origin), vec(ray.direction)},
-                                   Sphere<T>{vec(centre), static_cast<T>(radius)});
-        };
-        const Hit<Real> want = answer.template operator()<intersect::sphere::Unified, Real>();
+        const Sphere<double> sphere{centre, radius};
+        const Hit<Real> want = intersect::sphere::Unified::intersect(
+            lift_ray<Real>(ray), Sphere<Real>{lift_vec<Real>(centre), Real(radius)});
         if (!want.hit) continue;
-        intersect::sphere::SphereForms::for_each([&]<class Form>() {
-            const Hit<float> h = answer.template operator()<Form, float>();
-            if (!h.hit || !std::isfinite(h.t)) return;
-            Sum& sum = sums[Form::info.name];
+        for (const auto& row : intersect::table::intersectors(Shape::sphere)) {
+            const Hit<float> h = ask_row<float>(row, lift_ray<float>(ray), lift_solid<float>(Solid<double>(sphere)));
+            if (!h.hit || !std::isfinite(h.t)) continue;
+            Sum& sum = sums[row.info->name];
             sum.errors += Real(abs(Real(h.t) - want.t) / abs(want.t)).convert_to<double>() * 0x1p24, ++sum.hits;
-        });
+        }
     }
     std::map<std::string_view, double> means;
     for (const auto& [name, sum] : sums)
@@ -55,7 +51,7 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
 
 TEST_CASE("on ordinary rays no form loses more than a few bits, and corrections correct", "[intersect][accuracy]") {
     const auto near = mean_errors(1.01, 10), far = mean_errors(1e6, 2e6);
-    CHECK(near.size() == intersect::sphere::SphereForms::size);
+    CHECK(near.size() == intersect::table::intersectors(Shape::sphere).size());
     for (const auto& [name, mean] : near) {
         INFO(name << " is off by " << mean << " units of 2^-24");
         CHECK(mean > 0);

@@ -2,14 +2,14 @@
 #include <tuple>
 
 #include "catch.hpp"
+#include "intersect/outward.hpp"
 #include "number/draw.hpp"
 #include "number/rounded.hpp"
-#include "shapes/sphere/forms/outward.hpp"
 
 namespace lostbits::test {
 namespace {
 
-using intersect::sphere::Outward;
+using intersect::Outward;
 
 double value(float x) { return x; }
 double value(Half x) { return x.value(); }

@@ -1,4 +1,4 @@
-// The sides of triangles against fractions, their ties in packs, and what a triangle says of itself.
+// The sides of triangles against fractions, and their ties in packs.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -172,25 +172,6 @@ TEST_CASE("rays through edges and vertices, and from the triangle, are settled i
     intersect::simd::set_isa(before);
 }
 
-TEST_CASE("each ray with a triangle of its own has the truth that it has alone", "[truth][triangle]") {
-    scene::rays::RayBlock rays;
-    std::vector<Solid<double>> solids;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
-        rays.push(s.ray);
-        solids.emplace_back(s.triangle);
-    });
-    const scene::rays::SolidList<double> list(solids);
-    measure::truth::RayTruths found;
-    find_truths(measure::truth::RaysAndSolids<double>{.rays = rays, .solids = list, .paired = true}, {}, found);
-    int different = 0;
-    for (std::size_t i = 0; i < solids.size(); ++i) {
-        const Truth alone = find_truth(rays[i], solids[i]), there = found[i];
-        different += there.decision != alone.decision || there.touches != alone.touches ||
-                     there.on_surface != alone.on_surface || compare(there.t, alone.t) != 0;
-    }
-    CHECK(different == 0);
-}
-
 TEST_CASE("three points on one line are no triangle, whatever their size", "[truth][triangle]") {
     const Ray<double> ray{{0.5, 0.25, 3}, {0, 0, -1}};
     for (const double scale : {1.0, 0x1p-1074, 0x1p-600, 0x1p1000}) {
@@ -207,31 +188,6 @@ TEST_CASE("three points on one line are no triangle, whatever their size", "[tru
     const Triangle<double> nearly{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1 + 0x1p-52, 0}};
     CHECK_FALSE(broken_limit(Solid<double>(nearly)));
     CHECK(broken_limit(Solid<double>(Triangle<double>{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1, 0}})));
-}
-
-TEST_CASE("what a triangle says of points fits together", "[triangle]") {
-    Seeded rng(3);
-    for (int i = 0; i < 2000; ++i) {
-        const Triangle<double> t{rng.vec(-1, 1), rng.vec(-1, 1), rng.vec(-1, 1)};
-        const Vec<double> p = rng.vec(-2, 2), on = t.point_at({rng.unit(), rng.unit(), rng.unit()});
-        const double far = t.distance(p);
-        CHECK(t.distance(on) <= 0x1p-48);
-        CHECK(far <= length(Vec<double>(p - on)) + 0x1p-48);
-        CHECK(far >= std::fabs(t.off_surface(p)) * t.unit() - 0x1p-40);
-        CHECK(std::fabs(t.off_surface(t.projected({}, p))) <= 0x1p-40);
-        CHECK(t.may_hold(t.a));
-        const auto [middle, radius] = t.ball_around();
-        for (const Vec<double>& vertex : {t.a, t.b, t.c})
-            CHECK(length(Vec<double>(vertex - middle)) <= radius * (1 + 0x1p-48));
-        const auto grown = t.grown(p, 2);
-        CHECK(std::fabs(grown->distance(p) - far) <= 0x1p-30);
-        CHECK(std::fabs(grown->unit() - 2 * t.unit()) <= 0x1p-40);
-        const Ray<double> ray{p, on - p};
-        if (std::fabs(t.off_surface(p)) < 0x1p-10) continue;
-        CHECK(lostbits::dot(t.outward_normal(ray, on), ray.direction) < 0);
-        const auto bounded = t.bounded_point(ray, 1, on);
-        for (int k = 0; k < 3; ++k) CHECK(std::fabs(bounded.p[k] - on[k]) <= 0x1p-30);
-    }
 }
 
 }  // namespace lostbits::test::test_triangle_truth

@@ -19,7 +19,7 @@ struct CapsuleHalfB {
         const T v2 = square(v), r2 = square(capsule.radius);
         const auto part = [](const T& a, const T& h, const T& c) {
             const T disc = named("disc", square(h) - a * c);
-            return PartMet<T>{disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc))};
+            return PartMet<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
         };
         const auto ball = [&](const Vec<T>& from) {
             return part(square(d), named("h_ball", dot(from, d)), named("c_ball", square(from) - r2));

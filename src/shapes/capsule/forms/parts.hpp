@@ -1,12 +1,10 @@
 // What several capsule forms share: by which of side and balls a line enters and leaves.
 #pragma once
 
+#include "intersect/roots.hpp"
 #include "shapes/capsule/capsule.hpp"
-#include "shapes/sphere/forms/roots.hpp"
 
 namespace lostbits::intersect::capsule {
-
-using sphere::RootPair;
 
 /// Where the line meets a part of a capsule, and whether it misses it.
 template <Number T>
@@ -29,7 +27,7 @@ Hit<T> joined(const PartMet<T>& side, const PartMet<T>& base, const PartMet<T>& 
     };
     const T near = named("near", chosen(in, side.roots.near, base.roots.near, top.roots.near, up));
     const T far = named("far", chosen(out, side.roots.far, base.roots.far, top.roots.far, !up));
-    return sphere::first_hit<T>(side.missed || !(near <= far), {near, far});
+    return first_hit<T>(side.missed || !(near <= far), {near, far});
 }
 
 }  // namespace lostbits::intersect::capsule

@@ -22,7 +22,7 @@ struct CrossedConeAxis {
         const T rho = named("rho", cone.base_radius * v2 + s * low), sigma = named("sigma", s * across);
         const T a = named("a", v2 * square(n) - square(sigma)), h = named("h", v2 * dot(m, n) - rho * sigma);
         const T c = named("c", v2 * square(m) - square(rho)), disc = named("disc", square(h) - a * c);
-        return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)),
+        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
                                          caps_without_division<T>(cone, ray, low, across));
     }
 };

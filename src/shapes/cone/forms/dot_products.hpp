@@ -24,7 +24,7 @@ struct FromAxisProducts {
         const T h = named("h", dot(f, d) - low * across / v2 - r * k);
         const T c = named("c", square(f) - square(low) / v2 - square(r));
         const T disc = named("disc", square(h) - a * c);
-        return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)),
+        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
                                          caps_by_points<T>(cone, ray, low, across, v2));
     }
 };

@@ -18,7 +18,7 @@ struct EmbreeCone {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
         const Vec<T>& d = ray.direction;
-        const Vec<T> middle = sphere::half<T>() * (cone.base + cone.top);
+        const Vec<T> middle = half<T>() * (cone.base + cone.top);
         const T dt = named("dt", dot(middle - ray.origin, d) * (T(1) / square(d)));
         const Vec<T> o = ray.origin + dt * d, v = cone.top - cone.base, p0 = o - cone.base, p1 = o - cone.top;
         const T v2 = square(v), low = dot(p0, v), high = dot(p1, v), across = dot(d, v), v4 = square(v2);

@@ -28,7 +28,7 @@ struct InConeFrame {
             return square(o.x + t * d.x) + square(o.y + t * d.y) <= square(radius);
         };
         const CapsPassed<T> caps{base, top, within(base, cone.base_radius), within(top, cone.top_radius)};
-        return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)), caps);
+        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };
 

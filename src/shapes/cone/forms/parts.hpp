@@ -1,12 +1,10 @@
 // What several cone forms share: the caps, and which of caps and side the line enters and leaves by.
 #pragma once
 
+#include "intersect/roots.hpp"
 #include "shapes/cone/cone.hpp"
-#include "shapes/sphere/forms/roots.hpp"
 
 namespace lostbits::intersect::cone {
-
-using sphere::RootPair;
 
 /// Where a line passes the two planes, t of each, and whether it does within the cap.
 template <Number T>
@@ -46,7 +44,7 @@ Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side
     const auto by_side = !no_roots && low <= side.near && side.near <= high;
     const T near = named("near", select(in_low, low, side.near)), far = named("far", select(in_high, high, side.far));
     // A line beside the planes passes both at infinity, on one side of o where that is not between them.
-    return sphere::first_hit<T>(!(in_low || by_side), {near, far});
+    return first_hit<T>(!(in_low || by_side), {near, far});
 }
 
 }  // namespace lostbits::intersect::cone

@@ -22,7 +22,7 @@ struct CrossedAxis {
         const T disc = named("disc", square(h) - a * c);
         const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction));
         const RootPair<T> caps = between<T>(-low / across, (v2 - low) / across);
-        return first_of_both<T>(a, c, disc, sphere::plain_half_roots<T>(a, h, sqrt(disc)), caps);
+        return first_of_both<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };
 

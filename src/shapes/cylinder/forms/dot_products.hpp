@@ -26,7 +26,7 @@ struct FromDotProducts {
         const T b = named("b", dd * mn - nd * md);
         const T disc = named("disc", square(b) - a * c);
         const RootPair<T> caps = between<T>(-md / nd, (dd - md) / nd);
-        return first_of_both<T>(a, c, disc, sphere::plain_half_roots<T>(a, b, sqrt(disc)), caps);
+        return first_of_both<T>(a, c, disc, plain_half_roots<T>(a, b, sqrt(disc)), caps);
     }
 };
 

@@ -22,7 +22,7 @@ struct InOwnFrame {
         const T c = named("c", square(o.x) + square(o.y) - square(cylinder.radius));
         const T disc = named("disc", square(h) - qa * c);
         const RootPair<T> caps = between<T>(-o.z / d.z, (frame.height - o.z) / d.z);
-        return first_of_both<T>(disc < T(0), sphere::plain_half_roots<T>(qa, h, sqrt(disc)), caps);
+        return first_of_both<T>(disc < T(0), plain_half_roots<T>(qa, h, sqrt(disc)), caps);
     }
 };
 

@@ -1,12 +1,10 @@
 // What several cylinder forms share: caps by planes, roots by the quadratic, and the smaller interval of the two.
 #pragma once
 
+#include "intersect/roots.hpp"
 #include "shapes/cylinder/cylinder.hpp"
-#include "shapes/sphere/forms/roots.hpp"
 
 namespace lostbits::intersect::cylinder {
-
-using sphere::RootPair;
 
 /// From t of the nearer cap to that of the other, of a line that passes them at these t in either order.
 template <Number T>
@@ -15,12 +13,12 @@ RootPair<T> between(const T& base, const T& top) {
 }
 
 /// Where the line is in the side and between the caps: the first t ≥ 0 of near and far. A NaN fails every test, as in
-/// `sphere::first_hit`.
+/// `first_hit`.
 template <Number T>
 Hit<T> first_of_both(const mask_t<T>& missed, const RootPair<T>& side, const RootPair<T>& caps) {
     const T near = named("near", select(side.near < caps.near, caps.near, side.near));
     const T far = named("far", select(caps.far < side.far, caps.far, side.far));
-    return sphere::first_hit<T>(missed || far < near, {near, far});
+    return first_hit<T>(missed || far < near, {near, far});
 }
 
 /// The same with a line beside the axis, a = 0, told from the others: it is within the side, c ≤ 0, or misses.

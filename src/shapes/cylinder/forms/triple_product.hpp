@@ -24,7 +24,7 @@ struct ByTripleProduct {
         const T c = named("c", square(m) - r2 * v2);
         const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction));
         const RootPair<T> caps = between<T>(-low / across, (v2 - low) / across);
-        return first_of_both<T>(a, c, disc, sphere::unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
+        return first_of_both<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
     }
 };
 

@@ -1,13 +1,10 @@
 // A ray in the coordinates in which an ellipsoid is the unit sphere.
 #pragma once
 
+#include "intersect/roots.hpp"
 #include "shapes/ellipsoid/ellipsoid.hpp"
-#include "shapes/sphere/forms/roots.hpp"
 
 namespace lostbits::intersect::ellipsoid {
-
-using sphere::first_hit, sphere::RootPair, sphere::plain_roots, sphere::plain_half_roots, sphere::press_roots,
-    sphere::unified_roots;
 
 /// Each component by that of the other.
 template <Number T>

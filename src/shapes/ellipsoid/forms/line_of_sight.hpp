@@ -28,7 +28,7 @@ struct LineOfSight {
             named("radical", of_c - c2 * square(u) * square(y) + two * c2 * u * v * x * y - c2 * square(v) * square(x));
         const T magnitude = named("magnitude", a2 * b2 * square(w) + a2 * c2 * square(v) + b2 * c2 * square(u));
         const T t = named("t", (value - e.radii.x * e.radii.y * e.radii.z * sqrt(radical)) / magnitude);
-        return sphere::near_hit<T>(radical < T(0), t);
+        return near_hit<T>(radical < T(0), t);
     }
 };
 

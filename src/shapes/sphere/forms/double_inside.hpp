@@ -2,7 +2,7 @@
 // one rounding at the end. What "just use double" buys.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -3,7 +3,7 @@
 // (c = 0, of which the source is silent) c/q = 0 is the first root, whichever way the ray looks.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

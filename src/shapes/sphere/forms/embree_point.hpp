@@ -2,7 +2,7 @@
 // a hit where perp·perp ≤ r².
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -3,7 +3,7 @@
 // one to the next, as the source writes them: cx·cx + cy·cy + cz·cz + x0·x0 + y0·y0 + z0·z0. Near root only.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

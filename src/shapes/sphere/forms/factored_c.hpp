@@ -1,7 +1,7 @@
 // `unified` with c = (|f| − r)(|f| + r): the last cancellation of `unified` taken before squaring.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

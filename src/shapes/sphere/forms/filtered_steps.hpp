@@ -2,11 +2,11 @@
 #pragma once
 
 #include "geometry/vec.hpp"
+#include "intersect/roots.hpp"
 #include "intersect/way.hpp"
 #include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
-#include "shapes/sphere/forms/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 namespace filtered {

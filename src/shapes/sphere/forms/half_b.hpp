@@ -2,7 +2,7 @@
 // should lose exactly what `schoolbook` loses.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -2,7 +2,7 @@
 // they are squared; the roots stay plain.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

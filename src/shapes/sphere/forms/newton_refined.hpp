@@ -2,7 +2,7 @@
 // derivative is zero; the root is kept there.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -1,7 +1,7 @@
 // pbrt-v4: 4a(r + l)(r − l) with l = |f − (b/2a)d|: the difference of squares factored; then the roots of Press et al.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -3,8 +3,8 @@
 // when its lower bound is positive.
 #pragma once
 
-#include "shapes/sphere/forms/outward.hpp"
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/outward.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

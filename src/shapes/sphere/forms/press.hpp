@@ -1,7 +1,7 @@
 // Press et al.: the schoolbook discriminant, then q = −½(b + sign(b)√disc), t₀ = c/q, t₁ = q/a.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -2,7 +2,7 @@
 // not the components.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

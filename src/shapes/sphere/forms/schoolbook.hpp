@@ -2,7 +2,7 @@
 // A miss where the discriminant is negative: a ray that touches, hits.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

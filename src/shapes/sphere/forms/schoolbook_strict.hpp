@@ -2,7 +2,7 @@
 // The whole difference to `schoolbook` is the strictness of one comparison.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

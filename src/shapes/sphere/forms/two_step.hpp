@@ -3,7 +3,7 @@
 // second discriminant that is not positive leaves the first near root as it is.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

@@ -1,7 +1,7 @@
 // Both remedies at once: Δ = r² − |f + (b'/a)d|², b' = −f·d, q = b' + sign(b')√(aΔ), t₀ = c/q, t₁ = q/a.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

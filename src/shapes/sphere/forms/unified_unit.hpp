@@ -1,7 +1,7 @@
 // `unified` with a = 1 assumed: "slightly simpler" when the direction is normalised.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 
 namespace lostbits::intersect::sphere {
 

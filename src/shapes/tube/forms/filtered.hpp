@@ -1,7 +1,4 @@
-// Where the line is inside, the near and the far side of the wall, with a bound on the rounding of every step; where
-// that does not prove the decision, or leaves t less than 17 correct bits of 24 (46 of 53), the ray is done again in
-// wider arithmetic: float, double, double-double, intervals. No wrong decision about the closed tube. The first
-// intersection: near = far = t.
+// Where the line is inside, the near and the far side of the wall: a filter by its span.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"
@@ -13,8 +10,8 @@ namespace lostbits::intersect::tube {
 struct FilteredTube : filter::FiltersBySpan<FilteredTube, Tube> {
     static constexpr Info info{
         .name = "tube.filtered",
-        .title = "where the line is inside, where a bound proves it, wider where not",
-        .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
+        .title = filter::title_by_span,
+        .source = filter::source_by_span,
         .roots = Roots::first_only,
     };
 };

@@ -1,12 +1,10 @@
 // What several tube forms share: the first root ahead that lies between the ends.
 #pragma once
 
-#include "shapes/sphere/forms/roots.hpp"
+#include "intersect/roots.hpp"
 #include "shapes/tube/tube.hpp"
 
 namespace lostbits::intersect::tube {
-
-using sphere::RootPair;
 
 /// The place of a root along the axis is `low` + t `across`, between 0 and `height`; the far root counts where the near
 /// one is beyond an end or behind. A NaN is no root.

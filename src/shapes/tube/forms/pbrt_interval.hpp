@@ -2,8 +2,8 @@
 // factored; a miss only where its lower bound is negative. A root counts as in front where its lower bound is positive.
 #pragma once
 
+#include "intersect/outward.hpp"
 #include "shapes/cylinder/forms/axis_frame.hpp"
-#include "shapes/sphere/forms/outward.hpp"
 #include "shapes/tube/forms/parts.hpp"
 
 namespace lostbits::intersect::tube {
@@ -19,13 +19,13 @@ struct PbrtTube {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
-        using I = sphere::Outward<T>;
+        using I = Outward<T>;
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
         const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
         const I ox(o.x), oy(o.y), dx(d.x), dy(d.y), r(tube.radius), two(2), four(4);
         const I a = square(dx) + square(dy), b = two * (dx * ox + dy * oy), c = square(ox) + square(oy) - square(r);
         const I f = b / (two * a), l = sqrt(square(ox - f * dx) + square(oy - f * dy));
-        const I disc = four * a * (r + l) * (r - l), root = sqrt(disc), minus_half(-sphere::half<T>());
+        const I disc = four * a * (r + l) * (r - l), root = sqrt(disc), minus_half(-half<T>());
         const auto ahead = named("b", b.middle()) < T(0);
         const I minus = minus_half * (b - root), plus = minus_half * (b + root);
         const I q(select(ahead, minus.lo, plus.lo), select(ahead, minus.hi, plus.hi));

@@ -1,10 +1,9 @@
-// From discriminant to answer: the last steps that several sphere forms share.
+// From discriminant to answer: the last steps that forms of several shapes share.
 #pragma once
 
 #include "intersect/info.hpp"
-#include "shapes/sphere/sphere.hpp"
 
-namespace lostbits::intersect::sphere {
+namespace lostbits::intersect {
 
 template <Number T>
 T half() {
@@ -75,4 +74,4 @@ RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& roo
     });
 }
 
-}  // namespace lostbits::intersect::sphere
+}  // namespace lostbits::intersect

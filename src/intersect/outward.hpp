@@ -4,7 +4,7 @@
 
 #include "geometry/vec.hpp"
 
-namespace lostbits::intersect::sphere {
+namespace lostbits::intersect {
 
 /// [lo, hi] over the number under test. In exact arithmetic, where numbers have no neighbours, lo = hi = the value.
 template <Number T>
@@ -46,4 +46,4 @@ struct Outward {
     [[nodiscard]] T middle() const { return (lo + hi) / T(2); }
 };
 
-}  // namespace lostbits::intersect::sphere
+}  // namespace lostbits::intersect
