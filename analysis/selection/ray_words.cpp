@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -233,16 +232,12 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));
     one.solids = std::move(solids);
-    const auto put_end = [&](const std::string& text, const WantedNumbers& wanted, double least,
-                             std::vector<double>& to) {
-        if (text.empty()) return;
-        const double end = stored_number(numbers_of(text, wanted, format_of(words.as))[0]);
-        if (!(end >= least)) throw InputError(fmt::format("{} {}: is not {}", wanted.option, text, wanted.what));
-        to.push_back(end);
+    const auto put_end = [&](const std::string& text, const char* option, const char* what, std::vector<double>& to) {
+        if (!text.empty())
+            to.push_back(stored_number(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
     };
-    put_end(words.tmin, {"--tmin", "where a range begins; a ray looks ahead: write one finite number of 0 or more", 1},
-            0, one.rays.tmin);
-    put_end(words.tmax, {"--tmax", "the end of a ray; write one number", 1, true}, -HUGE_VAL, one.rays.tmax);
+    put_end(words.tmin, "--tmin", "where a range begins; write one number", one.rays.tmin);
+    put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);
     one.rays.open = open_ends_named(words.open_ends);
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one)), row.form};
