@@ -51,7 +51,7 @@ void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& t
     if (found.culprit != no_node) tally.of_constants += tape[found.culprit].op == TapeOp::constant;
     if (!hit) return;
     ++tally.hits;
-    const double t = tape[tape.outputs.t].value, off = found.of[static_cast<std::size_t>(tape.outputs.t)].error;
+    const double t = tape[tape.outputs.t].value, off = found[tape.outputs.t].error;
     const double allowed =
         16 * std::ldexp(std::fabs(t), -format.parameters.precision) + measure::blame::ulp_at(0, format.parameters);
     tally.inexact += std::isfinite(t) && !(std::fabs(off) <= allowed);

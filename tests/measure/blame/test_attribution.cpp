@@ -65,7 +65,7 @@ TEST_CASE("the exact value of an answer is that of the form without rounding", "
         const auto self = measure::answer::without_rounding(form, s.ray, s.target(form));
         if (!self || a.cut_short) return;
         REQUIRE(a.exact_hit);
-        const double exact = a.of[static_cast<std::size_t>(tape.outputs.t)].exact;
+        const double exact = a[tape.outputs.t].exact;
         REQUIRE(std::fabs(measure::truth::scaled_difference(measure::truth::exactly(exact), *self, self->exponent)) <=
                 0x1p-50);
         ++compared;
@@ -84,7 +84,7 @@ TEST_CASE("contributions sum to the error, derivatives do to first order, and qu
         return true;
     };
     const auto derives = [&](const Intersector& form, const Tape& tape, const Attribution& a) {
-        if (a.of[static_cast<std::size_t>(tape.outputs.t)].turned || form.shape == Shape::sdf) return;
+        if (a[tape.outputs.t].turned || form.shape == Shape::sdf) return;
         // Second order: each derivative is off by the relative errors of the values it is taken at, a few of them in a
         // row.
         double worst = 0;
@@ -138,7 +138,7 @@ TEST_CASE("the derivative by an input is that of forward differentiation", "[att
             if (tape[i].op != TapeOp::input) continue;
             const double want = forward.at(input++);
             if (std::isnan(want)) continue;  // of a call
-            REQUIRE(std::fabs(a.of[static_cast<std::size_t>(i)].derivative - want) <= 1e-6 * (std::fabs(want) + 1));
+            REQUIRE(std::fabs(a[i].derivative - want) <= 1e-6 * (std::fabs(want) + 1));
             ++compared;
         }
     };
@@ -157,7 +157,7 @@ TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
     const T rest = named("rest", square - T(1));
     const T y = rest * T(3);
     const Attribution a = measure::blame::attribute(tape, y.node(), {.full = true});
-    const auto of = [&](const T& v) { return a.of[static_cast<std::size_t>(v.node())]; };
+    const auto of = [&](const T& v) { return a[v.node()]; };
     CHECK(of(square).rounding == -0x1p-24);
     CHECK(of(square).adjoint == 3);
     CHECK(of(square).contribution == -3 * 0x1p-24);
@@ -224,8 +224,8 @@ TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]")
         const T t = select(below || above, nothing, T(1));
         const Attribution a = measure::blame::attribute(tape, t.node(), {.full = true});
         INFO("k = " << k);
-        CHECK(a.of[static_cast<std::size_t>(below.node())].exact == 0);
-        CHECK(a.of[static_cast<std::size_t>(above.node())].exact == 0);
+        CHECK(a[below.node()].exact == 0);
+        CHECK(a[above.node()].exact == 0);
     }
 }
 
@@ -237,9 +237,9 @@ TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
     const T t = min(x * x, end);
     for (const bool full : {false, true}) {
         const Attribution a = measure::blame::attribute(tape, t.node(), {.full = full});
-        CHECK(a.of[static_cast<std::size_t>(x.node())].exact == 0.1f);
-        CHECK(a.of[static_cast<std::size_t>(end.node())].exact == HUGE_VAL);
-        CHECK(a.of[static_cast<std::size_t>(x.node())].error == 0);
+        CHECK(a[x.node()].exact == 0.1f);
+        CHECK(a[end.node()].exact == HUGE_VAL);
+        CHECK(a[x.node()].error == 0);
     }
 }
 
@@ -252,9 +252,9 @@ TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
     const T smaller = min(c, live);
     const T t = select(a < b, smaller, dead);
     const Attribution found = measure::blame::attribute(tape, t.node());
-    CHECK_FALSE(found.of[static_cast<std::size_t>(dead.node())].live);
-    CHECK(found.of[static_cast<std::size_t>(live.node())].live);
-    CHECK_FALSE(found.of[static_cast<std::size_t>(c.node())].live);
+    CHECK_FALSE(found[dead.node()].live);
+    CHECK(found[live.node()].live);
+    CHECK_FALSE(found[c.node()].live);
     CHECK(found.culprit == live.node());
 }
 

@@ -41,7 +41,7 @@ TEST_CASE("a tape run again without rounding has the exact values of the attribu
         const Rerun again(tape, [](NodeId) { return false; });
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].op == TapeOp::input) continue;
-            REQUIRE(same_number(again[i], found.of[static_cast<std::size_t>(i)].exact));
+            REQUIRE(same_number(again[i], found[i].exact));
         }
     });
 }

@@ -111,8 +111,8 @@ TEST_CASE("of two that cancel the culprit is the one that is computed from the o
     const auto sum = hand.down();                // −1
     const auto c = sum + Recorded<double>(3.0);  // 2^53 + 3, up by 1
     const Attribution a = attribution_of(hand, c);
-    CHECK(a.of[static_cast<std::size_t>(sum.node())].contribution == -1);
-    CHECK(a.of[static_cast<std::size_t>(c.node())].contribution == 1);
+    CHECK(a[sum.node()].contribution == -1);
+    CHECK(a[c.node()].contribution == 1);
     CHECK(a.error == 0);
     CHECK(a.culprit == c.node());
     CHECK(a.equals == std::vector{sum.node()});
