@@ -87,7 +87,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
         HostileRays<S> draw(2031 << 20 | b);
         Random scales(b);
         // A call of a torus takes a second to share out.
-        Shares shares = form.shape == Shape::torus ? Shares{1, 0} : Shares{3, 1};
+        Shares shares = form.shape != Shape::torus ? Shares{3, 1} : Shares{b % 4 == 0 ? 1 : 0, 0};
         for (std::uint64_t i = 0; i < block; ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
             HostileRay x =
