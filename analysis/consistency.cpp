@@ -98,7 +98,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     std::erase_if(rows, [](const auto& row) { return !measure::consistency::can_be_compared(*row.form); });
     if (rows.empty())
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
-    const auto checks = selection::select_checks(o.checks);
+    const auto checks = selection::select_rows(measure::consistency::checks(), o.checks, "check", "--check");
     auto scenes = scenes_of_solids(o, rows, "consistency", common);
     const selection::ThreadLimit limit(common.threads);
 

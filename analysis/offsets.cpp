@@ -119,7 +119,8 @@ Exit run(const OffsetOptions& o, const Common& common) {
         throw NothingSelected(
             "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
             "'sphere.*'");
-    const auto strategies = selection::select_strategies(o.strategies);
+    const auto strategies =
+        selection::select_rows(measure::offset::strategies(), o.strategies, "strategy", "--strategy");
     auto scenes = scenes_of_solids(o, rows, "offsets", common);
     const selection::ThreadLimit limit(common.threads);
 

@@ -85,8 +85,10 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     measure::offset::OffsetRequest request{
         .scene = scene,
         .rows = {},
-        .strategies = selection::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
-                                                                                       : std::vector<std::string>{"*"}),
+        .strategies = selection::select_rows(
+            measure::offset::strategies(),
+            strategies && strategies->count > 0 ? words_of(*strategies) : std::vector<std::string>{"*"}, "strategy",
+            "--strategy"),
         .limit = {.stop = running.stop()}};
     for (const TestedForm& row : chosen.rows) {
         if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <span>
+#include <string_view>
 
 #include "analysis/selection/select.hpp"
 #include "number/error.hpp"
@@ -35,7 +36,43 @@ std::optional<MissRule> miss_rule(const std::string& word) {
     return MissRule{MissRule::Kind::number, read.value};
 }
 
+std::vector<std::string> listed(std::span<const std::string_view> names) { return {names.begin(), names.end()}; }
+
 }  // namespace
+
+const std::vector<RayFileOption>& ray_file_options() {
+    using Words = RayFileWords;
+    static const std::vector<RayFileOption> options{
+        {"--scene", &Words::scene, "The scene whose solids the rays are aimed at"},
+        {"--miss", &Words::miss,
+         "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)"},
+        {"--direction",
+         &Words::direction,
+         "unit: t is a distance, of the direction normalised (default: any)",
+         {"any", "unit"},
+         true},
+        {"--touching",
+         &Words::touching,
+         "Whether a ray that touches should hit (default) or miss",
+         {"hit", "miss"},
+         true},
+        {"--at-origin", &Words::at_origin,
+         "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
+         listed(intersect::at_origin_names), true},
+        {"--inside", &Words::inside,
+         "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
+         "0 of a box)",
+         listed(intersect::inside_names), true},
+        {"--facing", &Words::facing,
+         "The side that triangles, discs and planes are met from: front, where a triangle's vertices run "
+         "counter-clockwise, or back (default: both)",
+         listed(intersect::facing_names), true},
+        {"--open-ends",
+         &Words::open_ends,
+         "Which ends of the columns' ranges are open, so that a t there is no hit (default: none)",
+         {"none", "tmin", "tmax", "both"}}};
+    return options;
+}
 
 void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option) {
     words.format_option = format_option.substr(0, format_option.find(','));
@@ -48,28 +85,8 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
     for (const ShapeRow& row : shape_rows)
         command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
                     fmt::format("The {} of all rays: {}", row.name, option_words(row.shape)));
-    command.add("--scene", words.scene, "The scene whose solids the rays are aimed at");
-    command.add("--miss", words.miss,
-                "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)");
-    command.add("--direction", words.direction, "unit: t is a distance, of the direction normalised (default: any)",
-                shell::one_of({"any", "unit"}));
-    command.add("--touching", words.touching, "Whether a ray that touches should hit (default) or miss",
-                shell::one_of({"hit", "miss"}));
-    command.add("--at-origin", words.at_origin,
-                "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
-                shell::one_of({"hit", "miss", "exit"}));
-    command.add(
-        "--inside", words.inside,
-        "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
-        "0 of a box)",
-        shell::one_of({"usual", "exit", "zero", "near", "miss"}));
-    command.add("--facing", words.facing,
-                "The side that triangles, discs and planes are met from: front, where a triangle's vertices run "
-                "counter-clockwise, or back (default: both)",
-                shell::one_of({"both", "front", "back"}));
-    command.add("--open-ends", words.open_ends,
-                "Which ends of the columns' ranges are open, so that a t there is no hit (default: none)",
-                shell::one_of({"none", "tmin", "tmax", "both"}));
+    for (const RayFileOption& o : ray_file_options())
+        command.add(o.name, words.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
@@ -135,17 +152,12 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>
 }
 
 intersect::Info contract_of(const RayFileWords& o, const scene::dump::Dump& dump) {
-    const RayFileWords usual;
-    for (const auto& [option, said, unsaid] : {std::tuple("--direction", o.direction, usual.direction),
-                                               {"--touching", o.touching, usual.touching},
-                                               {"--at-origin", o.at_origin, usual.at_origin},
-                                               {"--inside", o.inside, usual.inside},
-                                               {"--facing", o.facing, usual.facing}})
-        if (said != unsaid && !dump.layout().has_answers())
+    for (const RayFileOption& option : ray_file_options())
+        if (option.of_answers && option.is_given(o) && !dump.layout().has_answers())
             throw InputError(
                 fmt::format("{} {}: says what the answers of {} mean, and it has none (columns hit or t); "
                             "leave {} out: forms are judged by their own words",
-                            option, said, dump.name(), option));
+                            option.name, o.*option.word, dump.name(), option.name));
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;

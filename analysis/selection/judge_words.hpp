@@ -30,6 +30,18 @@ struct RayFileWords {
     intersect::process::StopToken stop = {};
 };
 
+/// An option of files of rays that is a word; one that was not given has the word of `RayFileWords()`.
+struct RayFileOption {
+    const char* name;
+    std::string RayFileWords::*word;
+    const char* help;
+    std::vector<std::string> known = {};  ///< which words it may be; empty: any
+    bool of_answers = false;              ///< it says what answers mean
+
+    [[nodiscard]] bool is_given(const RayFileWords& words) const { return words.*word != RayFileWords().*word; }
+};
+const std::vector<RayFileOption>& ray_file_options();
+
 /// The options for all of these, `format` under that name.
 void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option);
 

@@ -246,32 +246,35 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
 
 /// InputError for words that do not go together.
 void check(const RayWords& words) {
-    const bool own = !words.solids.empty();
-    const auto without = [](bool given, const char* option, bool there, const char* needs) {
-        if (given && !there)
-            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", option, needs, option));
-    };
+    const bool own = !words.solids.empty(), a_case = !words.named_case.empty(), a_scene = !own && !a_case;
     if (own && !words.subject.empty())
         throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave " +
                          solid_options(false, " and ") + " out");
     if (!own && words.subject.empty())
         throw InputError("explain: name a scene, a file of cases with --case, or solids: " + solid_options(true));
-    without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
-    for (const auto& [given, option] :
-         {std::pair{&words.tmin, "--tmin"}, {&words.tmax, "--tmax"}, {&words.open_ends, "--open-ends"}})
-        without(!given->empty(), option, own, "a ray with solids of its own (of a scene: --set rays.tmin=VALUE)");
-    without(!words.size.empty(), "--size", words.ray.empty() || own,
-            "--pixel (a ray of your own belongs to no picture)");
-    without(words.worst, "--worst", words.named_case.empty() && !own,
-            "a scene or a sweep, to look among all of its rays");
-    if (words.named_case.empty() && !own) return;
-    for (const auto& [given, option] :
-         {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
-        without(!given->empty(), option, false, "a scene");
-    without(!words.named_case.empty(), "--case", !own, "a file of cases");
-    without(!words.ray.empty(), "--ray", own, "a scene or solids of its own: a case has its rays");
-    without(!words.steps.empty(), "--steps", false, "a sweep and --worst");
-    without(!words.set.empty(), "--set", own, "a scene, or a ray with solids of its own");
+    const char* const own_solids = "a ray with solids of its own (of a scene: --set rays.tmin=VALUE)";
+    struct Row {
+        const char* option;
+        bool given, fits;
+        const char* needs;
+    };
+    const Row rows[] = {
+        {"--as", !words.as.empty(), !words.ray.empty(), "--ray, whose numbers it rounds"},
+        {"--tmin", !words.tmin.empty(), own, own_solids},
+        {"--tmax", !words.tmax.empty(), own, own_solids},
+        {"--open-ends", !words.open_ends.empty(), own, own_solids},
+        {"--size", !words.size.empty(), words.ray.empty() || own, "--pixel (a ray of your own belongs to no picture)"},
+        {"--worst", words.worst, a_scene, "a scene or a sweep, to look among all of its rays"},
+        {"--pixel", !words.pixel.empty(), a_scene, "a scene"},
+        {"--size", !words.size.empty(), a_scene, "a scene"},
+        {"--variant", !words.variant.empty(), a_scene, "a scene"},
+        {"--case", a_case, !own, "a file of cases"},
+        {"--ray", !words.ray.empty(), own || a_scene, "a scene or solids of its own: a case has its rays"},
+        {"--steps", !words.steps.empty(), a_scene, "a sweep and --worst"},
+        {"--set", !words.set.empty(), own || a_scene, "a scene, or a ray with solids of its own"}};
+    for (const Row& row : rows)
+        if (row.given && !row.fits)
+            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", row.option, row.needs, row.option));
 }
 
 }  // namespace

@@ -123,15 +123,10 @@ bool are_files(const RayFileWords& o, const std::vector<std::string>& subjects) 
 
 void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjects,
                    const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command) {
-    const std::pair<const char*, bool> of_files[] = {
-        {"--file-format", !o.format.empty()},  {"--skip", o.skip != 0},
-        {"--scene", !o.scene.empty()},         {"--miss", !o.miss.empty()},
-        {"--direction", o.direction != "any"}, {"--touching", o.touching != "hit"},
-        {"--at-origin", o.at_origin != "hit"}, {"--inside", o.inside != "usual"},
-        {"--facing", o.facing != "both"},      {"--open-ends", o.open_ends != "none"}};
-    std::vector<std::pair<std::string, bool>> solids;
+    std::vector<std::pair<std::string, bool>> of_files{{"--file-format", !o.format.empty()}, {"--skip", o.skip != 0}};
+    for (const RayFileOption& option : ray_file_options()) of_files.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& row : shape_rows)
-        solids.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());
+        of_files.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{}{}", name, why));
@@ -139,10 +134,8 @@ void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjec
     };
     if (are_files(o, subjects))
         return refuse(of_scenes, ": is about a scene, and these are files of rays; leave it out");
-    const std::string of_a_scene = ": is about files of rays, and " + subjects.front() +
-                                   " is taken for a scene; leave it out, or say --container csv, npy or raw";
-    refuse(of_files, of_a_scene);
-    refuse(solids, of_a_scene);
+    refuse(of_files, ": is about files of rays, and " + subjects.front() +
+                         " is taken for a scene; leave it out, or say --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(
             fmt::format("{}: {} is for one scene, or for files of rays, which end in .csv or "

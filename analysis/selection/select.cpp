@@ -1,11 +1,11 @@
 #include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include <algorithm>
 #include <iterator>
 
+#include "analysis/selection/options.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -19,36 +19,6 @@ using measure::metric::Metric;
 namespace {
 
 bool is_of_pairs(const Metric* m) { return m->over == measure::metric::Over::pairs; }
-
-bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
-
-/// The rows of a table whose name matches any of the words; `what` and `option` are for messages.
-template <class Row, class Name>
-std::vector<const Row*> select_rows(std::span<const Row> table, const std::vector<std::string>& words, const char* what,
-                                    const char* option, Name name) {
-    std::vector<std::string> names;
-    for (const Row& row : table) names.emplace_back(name(row));
-    std::vector<bool> chosen(table.size());
-    for (const std::string& word : words) {
-        bool any = false;
-        for (std::size_t i = 0; i < table.size(); ++i) {
-            if (fnmatch(word.c_str(), names[i].c_str(), 0) != 0) continue;
-            chosen[i] = any = true;
-        }
-        if (any) continue;
-        const std::string whats = what == std::string_view("strategy") ? "strategies" : std::string(what) + "s";
-        if (is_glob(word))
-            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` shows all", option,
-                                              word, what, whats));
-        throw InputError(
-            fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
-    }
-    std::vector<const Row*> rows;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        if (chosen[i]) rows.push_back(&table[i]);
-    }
-    return rows;
-}
 
 /// What other programs call them.
 constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
@@ -67,6 +37,31 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 
 }  // namespace
 
+bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
+
+std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
+                                      const std::string& what, const char* option) {
+    std::vector<bool> chosen(names.size());
+    for (const std::string& word : words) {
+        bool any = false;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (!matches_any({word}, names[i])) continue;
+            chosen[i] = any = true;
+        }
+        if (any) continue;
+        const std::string whats = what == "strategy" ? "strategies" : what + "s";
+        if (is_glob(word))
+            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` shows all", option,
+                                              word, what, whats));
+        throw InputError(
+            fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
+    }
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (chosen[i]) places.push_back(i);
+    return places;
+}
+
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
     std::vector<std::string> alone;
     std::vector<const Intersector*> forms, sets;
@@ -79,35 +74,9 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
         for (const Intersector* const set : of_several ? sets_named(word, option) : made_named(word, option))
             add_once(sets, set);
     }
-    forms = select_rows(intersect::table::intersectors(), alone, "form", option,
-                        [](const Intersector& i) { return i.info->name; });
+    forms = select_rows(intersect::table::intersectors(), alone, "form", option);
     forms.insert(forms.end(), sets.begin(), sets.end());
     return forms;
-}
-
-std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option) {
-    return select_rows(intersect::space::spaces(), {glob}, "space", option,
-                       [](const intersect::space::Space& s) { return s.info->name; });
-}
-
-std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glob, const char* option) {
-    return select_rows(intersect::hull::hulls(), {glob}, "hull", option,
-                       [](const intersect::hull::HullWay& way) { return way.info->name; });
-}
-
-std::vector<const scene::camera::Maker*> select_makers(const std::string& glob, const char* option) {
-    return select_rows(scene::camera::makers(), {glob}, "maker", option,
-                       [](const scene::camera::Maker& m) { return m.info->name; });
-}
-
-std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
-    return select_rows(measure::offset::strategies(), globs, "strategy", "--strategy",
-                       [](const measure::offset::Strategy& s) { return s.name; });
-}
-
-std::vector<const measure::consistency::Check*> select_checks(const std::vector<std::string>& globs) {
-    return select_rows(measure::consistency::checks(), globs, "check", "--check",
-                       [](const measure::consistency::Check& c) { return c.name; });
 }
 
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
@@ -117,7 +86,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             bool any = false;
             for (const std::string_view step : intersect::space::step_names) {
                 const std::string name = "step:" + std::string(step);
-                if (fnmatch(glob.c_str(), name.c_str(), 0) != 0) continue;
+                if (!matches_any({glob}, name)) continue;
                 any = true;
                 add_once(chosen, made.find(name));
             }
@@ -140,8 +109,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                             "labels of every form",
                             glob, of, of));
         }
-        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric",
-                                           [](const Metric& row) { return row.name; }))
+        for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric"))
             add_once(chosen, m);
     }
     return chosen;

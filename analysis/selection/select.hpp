@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -16,10 +17,8 @@
 #include "intersect/process/stop_token.hpp"
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
-#include "measure/consistency/check.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
-#include "measure/offset/strategy.hpp"
 #include "number/error.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
@@ -41,13 +40,27 @@ void add_once(std::vector<T>& all, const std::type_identity_t<T>& one) {
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
 
-/// Ways into the space of a solid by name or glob, in the order of their list. InputError with did-you-mean.
-std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option);
-/// Ways of computing the box around a solid.
-std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glob, const char* option);
+/// Whether a word stands for all names that it fits.
+bool is_glob(const std::string& text);
 
-/// Ways to make rays, the same way.
-std::vector<const scene::camera::Maker*> select_makers(const std::string& glob, const char* option);
+/// The places of the names that any of the words is or, as a glob, fits. InputError with did-you-mean, of the `option`,
+/// and NothingSelected for a glob that fits none; `what` is what one is called: `lostbits list` knows it in the plural.
+std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
+                                      const std::string& what, const char* option);
+
+/// The rows of a list, such as `intersect::space::spaces()`, in its order, by their names.
+template <class Row>
+std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& words, const char* what,
+                                    const char* option) {
+    std::vector<std::string> names;
+    for (const Row& row : list) {
+        if constexpr (requires { row.info->name; }) names.emplace_back(row.info->name);
+        else names.emplace_back(row.name);
+    }
+    std::vector<const Row*> rows;
+    for (const std::size_t place : places_named(words, names, what, option)) rows.push_back(&list[place]);
+    return rows;
+}
 
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");
@@ -55,12 +68,6 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
 /// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
                                                            measure::metric::MetricSet& made);
-
-/// Strategies of offsets by name or glob, in the table's order. InputError with did-you-mean.
-std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs);
-
-/// Checks of consistency, the same way.
-std::vector<const measure::consistency::Check*> select_checks(const std::vector<std::string>& globs);
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.

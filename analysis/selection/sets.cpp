@@ -227,19 +227,27 @@ Forms made_named(const std::string& word, const char* option) {
             is_box ? "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
                      "shows how boxes are computed"
                    : "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` shows them"));
-    const bool is_glob = name.form.find_first_of("*?[") != std::string::npos;
     const Forms all =
         rows_of(name, {.forms =
                            [&](const std::string& glob) {
                                Forms forms = select_forms({glob}, option);
                                // A form that marches has no space of a solid; named, it says so.
-                               if (name.kind == Kind::space && is_glob)
+                               if (name.kind == Kind::space && is_glob(name.form))
                                    std::erase_if(forms, [](const Intersector* form) { return !is_solid(form->shape); });
                                return forms;
                            },
-                       .spaces = [option](const std::string& glob) { return select_spaces(glob, option); },
-                       .makers = [option](const std::string& glob) { return select_makers(glob, option); },
-                       .hulls = [option](const std::string& glob) { return select_hulls(glob, option); }});
+                       .spaces =
+                           [option](const std::string& glob) {
+                               return select_rows(intersect::space::spaces(), {glob}, "space", option);
+                           },
+                       .makers =
+                           [option](const std::string& glob) {
+                               return select_rows(scene::camera::makers(), {glob}, "maker", option);
+                           },
+                       .hulls =
+                           [option](const std::string& glob) {
+                               return select_rows(intersect::hull::hulls(), {glob}, "hull", option);
+                           }});
     if (all.empty())
         throw NothingSelected(
             fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",

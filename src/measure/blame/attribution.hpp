@@ -52,6 +52,8 @@ struct Attribution {
     NodeId culprit = no_node;
     /// The other live operations that contribute as much as the culprit, with the same sign or the opposite one.
     std::vector<NodeId> equals;
+
+    [[nodiscard]] const OperationError& operator[](NodeId i) const { return of[static_cast<std::size_t>(i)]; }
 };
 
 struct AttributionDepth {

@@ -20,7 +20,7 @@ using truth::missing;
 
 namespace {
 
-/// Whatever decides the names of operations: kinds, operands, labels. FNV-1a over 64 bits.
+/// Whatever decides the names of operations of one form: kinds and operands. FNV-1a over 64 bits.
 std::uint64_t structure_of(const Tape& tape) {
     std::uint64_t h = 14695981039346656037u;
     const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
@@ -162,7 +162,7 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     double worst = missing;
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (tape[i].label != label) continue;
-        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        const OperationError& e = attribution[i];
         worst = std::fmax(worst, e.live && e.carried ? e.cancelled : 0);
     }
     return worst;
@@ -188,7 +188,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     Blame blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
     if (subject == no_node) return blame;
-    blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.parameters);
+    blame.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
     if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
         blame.culprit_alone = counterfactuals(tape_, attribution_.culprit);
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;

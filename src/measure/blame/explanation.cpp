@@ -12,6 +12,7 @@
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/blame/operation_error.hpp"
+#include "measure/tape/tape_form.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
 
@@ -188,10 +189,8 @@ bool Standing::beats(const Standing& other) const {
 double Explanation::ulp_of_subject() const {
     const NodeId s = attribution.subject;
     if (s == no_node) return missing;
-    if (!is_decision(tape[s].op)) return ulp_at(attribution.of[static_cast<std::size_t>(s)].exact, format.parameters);
-    const auto side = [&](std::size_t k) {
-        return std::fabs(attribution.of[static_cast<std::size_t>(tape[s].operands[k])].exact);
-    };
+    if (!is_decision(tape[s].op)) return ulp_at(attribution[s].exact, format.parameters);
+    const auto side = [&](std::size_t k) { return std::fabs(attribution[tape[s].operands[k]].exact); };
     return ulp_at(std::max(side(0), side(1)), format.parameters);
 }
 
@@ -202,7 +201,7 @@ NodeId Explanation::amplifier(NodeId from) const {
     NodeId most = no_node;
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
-        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        const OperationError& e = attribution[i];
         if (!e.live) continue;
         for (const NodeId operand : tape.operands_of(i)) {
             if (reached[static_cast<std::size_t>(operand)]) reached[static_cast<std::size_t>(i)] = true;
@@ -218,7 +217,7 @@ NodeId Explanation::amplifier(NodeId from) const {
 std::vector<NodeId> Explanation::turned() const {
     std::vector<NodeId> all;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        const OperationError& e = attribution[i];
         if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) all.push_back(i);
     }
     return all;
@@ -253,12 +252,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
             standing_of(form, format, ray, x.hit, ranged ? answers.t[in.index] : x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::hull::names_on_tape(form, target);
-        const Ray<double> asked = in.ray(*form.info);
-        for (const Vec<double>& v : {asked.origin, asked.direction}) x.inputs.insert(x.inputs.end(), {v.x, v.y, v.z});
-        const Solid<double> there = in.all.solids[static_cast<std::size_t>(x.solid)];
-        x.inputs.insert(x.inputs.end(), there.used().begin(), there.used().end());
-        if (there.placed) x.inputs.insert(x.inputs.end(), there.placed->matrix.begin(), there.placed->matrix.end());
-        x.inputs.push_back(tmax);
+        x.inputs = tape::inputs_of(in.ray(*form.info), in.all.solids[static_cast<std::size_t>(x.solid)], tmax);
         x.hit = answers.hit[in.index] != 0;
         x.standing = standing_of(form, format, ray, x.hit, answers.t[in.index]);
     }

@@ -28,7 +28,7 @@ public:
     Ways(const Tape& tape, const Attribution& found)
         : tape_(tape), steps_(tape.nodes.size()), read_(tape.nodes.size(), not_read) {
         for (NodeId i = found.subject; i >= 0; --i) {
-            if (!found.of[static_cast<std::size_t>(i)].live) continue;
+            if (!found[i].live) continue;
             for_each_source(
                 tape, i, [&](NodeId source) { at(steps_, source) = std::max(at(steps_, source), at(steps_, i) + 1); });
         }
@@ -64,7 +64,7 @@ private:
 bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
     double sum = 0, largest = 0;
     for (const NodeId i : equals) {
-        const OperationError& e = found.of[static_cast<std::size_t>(i)];
+        const OperationError& e = found[i];
         if (!e.turned) return false;
         sum += e.contribution;
         largest = std::max(largest, std::fabs(e.contribution));
@@ -77,11 +77,11 @@ bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId
 std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below) {
     // What is not a number has no size, and comes after all that have one.
     const auto size = [&](NodeId i) {
-        const double contribution = found.of[static_cast<std::size_t>(i)].contribution;
+        const double contribution = found[i].contribution;
         return std::isnan(contribution) ? -1 : std::fabs(contribution);
     };
     const auto counts = [&](NodeId i) {
-        const OperationError& e = found.of[static_cast<std::size_t>(i)];
+        const OperationError& e = found[i];
         return e.live && e.rounding != 0 && !(below && size(i) >= *below);
     };
     double largest = -1;
@@ -104,11 +104,10 @@ std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& foun
     std::vector<NodeId> equals = largest;
     while (are_wrong_choices_undone(found, equals)) {
         double least = HUGE_VAL;
-        for (const NodeId i : equals)
-            least = std::min(least, std::fabs(found.of[static_cast<std::size_t>(i)].contribution));
+        for (const NodeId i : equals) least = std::min(least, std::fabs(found[i].contribution));
         equals = largest_contributions(tape, found, least);
     }
-    const bool any = !equals.empty() && found.of[static_cast<std::size_t>(equals.front())].contribution != 0;
+    const bool any = !equals.empty() && found[equals.front()].contribution != 0;
     return any ? equals : largest;
 }
 
@@ -117,8 +116,7 @@ bool is_computed_from(const Tape& tape, const Attribution& found, NodeId i, Node
     const auto mark = [&](NodeId k) { reached[static_cast<std::size_t>(k)] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (reached[static_cast<std::size_t>(i)] && found.of[static_cast<std::size_t>(i)].live)
-            for_each_source(tape, i, mark);
+        if (reached[static_cast<std::size_t>(i)] && found[i].live) for_each_source(tape, i, mark);
     }
     return reached[static_cast<std::size_t>(from)];
 }

@@ -49,7 +49,6 @@ struct Obstacle {
     std::optional<std::size_t> enough{};
     int least_precision = 0;
 };
-inline constexpr std::array<std::string_view, 5> cause_names{"no_hit", "width", "inputs", "inherent", "formula"};
 
 /// Why this row, which comes nearest, does not meet the request's wish. On at most `pixels` rays.
 Obstacle find_obstacle(const ChoiceRequest& request, const evaluate::TestedForm& nearest, int pixels = 2048);

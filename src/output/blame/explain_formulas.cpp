@@ -122,7 +122,7 @@ std::string explain_latex(const Explanation& x) {
         x.form->info->name, x.format.name);
     std::string lines;
     for (NodeId i = 0; i < x.tape.size(); ++i) {
-        const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+        const measure::blame::OperationError& e = x.attribution[i];
         const bool culprit = i == x.attribution.culprit;
         if (!e.live || !is_operation(x.tape[i].op)) continue;
         if (x.tape[i].label.empty() && !culprit && e.cancelled < 2) continue;

@@ -20,7 +20,7 @@ Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(n
 
 Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeId i) {
     const TapeNode& n = x.tape[i];
-    const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
+    const measure::blame::OperationError& e = x.attribution[i];
     Json operands = Json::array();
     for (const NodeId operand : x.tape.operands_of(i)) operands.push_back(text.name(operand));
     Json j{{"name", text.name(i)},

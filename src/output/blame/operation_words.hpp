@@ -19,9 +19,7 @@ class OperationWords {
 public:
     explicit OperationWords(const measure::blame::Explanation& x);
 
-    [[nodiscard]] const measure::blame::OperationError& of(NodeId i) const {
-        return x_.attribution.of[static_cast<std::size_t>(i)];
-    }
+    [[nodiscard]] const measure::blame::OperationError& of(NodeId i) const { return x_.attribution[i]; }
     [[nodiscard]] const measure::blame::TapeText& text() const { return text_; }
     /// In ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const;

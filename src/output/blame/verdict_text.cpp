@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <vector>
 
 #include "measure/blame/explanation.hpp"
 #include "measure/stability/stability.hpp"
+#include "measure/tape/tape_form.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
@@ -227,17 +227,16 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 bool is_wrong_root(const Explanation& x) {
     const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;
     if (!far_off || !x.true_t || !is_solid(x.form->shape) || x.missed) return false;
-    Solid<double> solid(x.shape);
+    const Solid<double> solid(x.shape);
     if (x.inputs.size() != 6 + solid.used().size() + 1) return false;  // under a matrix
-    const auto vec = [&x](std::size_t k) { return Vec<double>(x.inputs[k], x.inputs[k + 1], x.inputs[k + 2]); };
-    std::ranges::copy(std::span(x.inputs).subspan(6, solid.used().size()), solid.numbers.begin());
-    return measure::stability::is_wrong_root({vec(0), vec(3)}, solid, measure::truth::exactly(*x.true_t), x.standing.t);
+    return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs), measure::tape::solid_of(x.inputs, solid),
+                                             measure::truth::exactly(*x.true_t), x.standing.t);
 }
 
 bool names_culprit(const Explanation& x) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node || a.culprit == no_node || measure::blame::is_plain_miss(x.tape, a)) return false;
-    const measure::blame::OperationError& e = a.of[static_cast<std::size_t>(a.culprit)];
+    const measure::blame::OperationError& e = a[a.culprit];
     if (!std::isfinite(x.tape[a.culprit].value)) return true;
     if (e.contribution == 0) return false;
     if (is_decision(x.tape[a.subject].op)) return true;

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <set>
 
-#include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/mend/form_code.hpp"
+#include "output/mend/tape_code.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::output::mend {
@@ -22,11 +22,7 @@ using measure::mend::Worth;
 namespace {
 
 TapeText text_of(const MendResult& r) {
-    const auto& form = *r.request.row.form;
-    Solid<double> solid(form.shape);
-    if (form.is_placed) solid.placed.emplace();
-    return {r.mended.tape, intersect::table::input_names(form, intersect::Target<double>(solid)),
-            TapeText::Style::plain};
+    return {r.mended.tape, input_names_of(*r.request.row.form), TapeText::Style::plain};
 }
 
 /// `22.1 bits, no wrong decision`

@@ -18,17 +18,21 @@ constexpr std::size_t short_enough = 56;
 
 }  // namespace
 
+std::vector<std::string> input_names_of(const intersect::table::Intersector& form) {
+    Solid<double> solid(form.shape);
+    if (form.is_placed) solid.placed.emplace();
+    return intersect::table::input_names(form, intersect::Target<double>(solid));
+}
+
 TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
                    CodeWords words, const TapeCode* like)
     : tape_(tape),
       wanted_(std::move(wanted)),
       slice_(tape, wanted_),
       words_(std::move(words)),
-      own_(tape.format_of(tape.outputs.t)) {
-    Solid<double> solid(form.shape);
-    if (form.is_placed) solid.placed.emplace();
-    solid_numbers_ = solid.used().size();
-    inputs_ = intersect::table::input_names(form, intersect::Target<double>(solid));
+      own_(tape.format_of(tape.outputs.t)),
+      inputs_(input_names_of(form)),
+      solid_numbers_(row_of(form.shape).numbers) {
     name_all(like);
     choose_inlined();
 }

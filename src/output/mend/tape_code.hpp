@@ -19,6 +19,10 @@ struct CodeWords {
     std::set<std::string, std::less<>> taken;
 };
 
+/// What the inputs on the tape of a form are called: those of a ray, of a solid, and of its matrix if it stands under
+/// one.
+std::vector<std::string> input_names_of(const intersect::table::Intersector& form);
+
 class TapeCode {
 public:
     virtual ~TapeCode() = default;
@@ -64,7 +68,7 @@ private:
     CodeWords words_;
     FloatFormat own_;
     std::vector<std::string> inputs_, names_;
-    std::size_t solid_numbers_ = 0;  ///< inputs behind the ray; the matrix follows
+    std::size_t solid_numbers_;  ///< inputs behind the ray; the matrix follows
     /// What the source gives no name: by what it is, and the first that is the same.
     std::map<std::string, std::vector<std::string>> known_;
     std::vector<std::string> first_names_;

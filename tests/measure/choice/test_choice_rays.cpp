@@ -283,18 +283,6 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     CHECK(formula.rounded_before);
 }
 
-TEST_CASE("what stands in the way: nothing is hit") {
-    // The ray looks away from the sphere: no format, no input and no formula has anything to keep.
-    Scene scene = one_ray("999990.5", "1000000.03", "1");
-    scene.camera.look_at.z = Real(0);
-    const TestedForm row = testing::row("sphere.unified", "f32");
-    ChoiceRequest request = wish_of(30, {row});
-    request.scene = &scene;
-    const Obstacle found = find_obstacle(request, row);
-    CHECK(found.cause == Obstacle::Cause::no_hit);
-    CHECK(found.trials.empty());
-}
-
 TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
     const TestedForm row = testing::row("sphere.unified", "f64");
