@@ -9,6 +9,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/ways.hpp"
 #include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
 #include "output/mend/form_code.hpp"
@@ -157,13 +158,13 @@ TEST_CASE("under matrices the operations that lead into the space of the solid a
         }
         MendRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.row.form;
-        request.row.form = &intersect::space::through(*intersect::space::find_space("plain"), form);
+        request.row.form = &intersect::space::through(testing::space_named("plain"), form);
         const Mended m = mend(request, 0);
         CHECK(m.own.kept_bits < 14);
         REQUIRE(m.set);
         CHECK(m.set->worth.meets(request.wish));
         CHECK(m.operations > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
-        request.row.form = &intersect::space::through(*intersect::space::find_space("relative"), form);
+        request.row.form = &intersect::space::through(testing::space_named("relative"), form);
         const Worth relative = Judge(request, scene).worth_of({recorded(request)}).front();
         CHECK(relative.kept_bits > m.own.kept_bits + (inverse ? -1 : 6));
     }

@@ -168,16 +168,6 @@ TEST_CASE("spheres are rounded once, and a radius may vanish in a narrow format"
     CHECK(round_solid(Solid<double>(single), binary64).sphere().radius == single.radius);
 }
 
-TEST_CASE("an input sphere follows the scene's inputs and the format") {
-    const std::string text = replaced(good_scene, "radius = 1", "radius = 0.1");
-    const Scene shared = loaded(text);
-    const Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
-    CHECK(input_solid(shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
-    CHECK(input_solid(own, 0, binary64).sphere().radius == 0.1);
-    CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
-    CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
-}
-
 TEST_CASE("a list with a flake as columns holds the numbers of the solids one by one") {
     for (const char* inputs : {"shared", "own"}) {
         const file::Scene scene = flake_scene(inputs);
