@@ -71,7 +71,8 @@ Exponent::Exponent(const Node& node) {
             term.divisor = text[at + 1] - '0', at += 2;
         terms_.push_back(term);
     }
-    if (terms_.empty()) bad();
+    constexpr std::size_t most_terms = 16;
+    if (terms_.empty() || terms_.size() > most_terms) bad();
 }
 
 int Exponent::in(const FloatFormat& f) const {
