@@ -163,7 +163,8 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
             file.fail_at("size", "is too large: more than 2^30 pixels; make it smaller");
     }
     const StoredNumbers numbers(scene.inputs);
-    scene.camera = read_camera(file.table("camera"), numbers);
+    TableReader camera = file.table("camera");
+    scene.camera = read_camera(camera, numbers);
     scene.appearance = read_appearance(file, numbers);
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& table : file.tables(row.name)) {
@@ -191,6 +192,10 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.reject_unknown_keys();
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no solids; write at least one " + tables_of_solids());
+    if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
+        camera.fail_at("rays",
+                       "makes rays in each format, by which meshes and flakes are rounded then; write inputs = "
+                       "\"own\"");
     return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
 }
 

@@ -22,8 +22,8 @@ namespace lostbits::scene::toml {
 /// The tree must outlive the reader.
 class TableReader {
     template <class T, class... Args>
-    std::optional<T> optional(std::string_view key, T (TableReader::*read)(std::string_view, Args...), Args... args) {
-        return has(key) ? std::optional<T>((this->*read)(key, args...)) : std::nullopt;
+    std::optional<T> optional(std::string_view key, T (TableReader::*reader)(std::string_view, Args...), Args... args) {
+        return has(key) ? std::optional<T>((this->*reader)(key, args...)) : std::nullopt;
     }
 
 public:

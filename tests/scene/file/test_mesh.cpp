@@ -170,12 +170,14 @@ TEST_CASE("meshes come after the other solids, and stored numbers are those of t
 }
 
 TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
-    CHECK(has(error_of_mesh("make = \"icosfere\"\n"), "did you mean \"icosphere\""));
     CHECK(has(error_of_mesh("make = \"icosphere\"\nlevels = 10\n"), "mesh[0].levels"));
     CHECK(has(error_of_mesh("make = \"fan\"\ncount = 7\n"), "must be a multiple of 4; write 8"));
     CHECK(has(error_of_mesh("make = \"tube\"\nradius = 3\n"), "must be less than ring_radius"));
     CHECK(has(error_of_mesh("make = \"fan\"\nlevels = 3\n"), "mesh[0].levels"));
-    CHECK(has(error_of_mesh("centre = [0, 0, 0]\n"), "mesh[0].make is missing"));
+    CHECK(has(error_of_mesh("centre = [0, 0, 0]\n"),
+              "mesh[0].make is missing; give it \"icosphere\", \"grid\", "
+              "\"tube\" or \"fan\", or write file = \"name.obj\" in its "
+              "place"));
     CHECK(has(error_of_mesh("file = \"a.obj\"\n"), "mesh[0].file names "));
     CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make stands beside file"));
 }
@@ -231,7 +233,6 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
     CHECK(has(broken("levels = 1", "levels = 1.5"), "sphereflake.levels must be a whole number"));
     CHECK(broken("radius = 0.5", "radius = 0").find("scene.toml:15:10: sphereflake.radius must lie between") == 0);
     CHECK(has(broken("radius = 0.5", "axis = [0, 0, 0]"), "sphereflake.axis is not a direction"));
-    CHECK(has(broken("radius = 0.5", "radios = 0.5"), "did you mean \"radius\""));
 }
 
 TEST_CASE(
@@ -251,8 +252,6 @@ TEST_CASE(
     CHECK(has(broken("max_steps = 0"), "march.max_steps must be a whole number from 1 to 100000"));
     CHECK(has(broken("max_steps = 2.5"), "march.max_steps must be a whole number"));
     CHECK(has(broken("over_relaxation = 2"), "march.over_relaxation must lie in [1, 2)"));
-    CHECK(has(broken("hit_epsilon = 1"), "march.hit_epsilon"));
-    CHECK(replaced(text, "hit_eps = 0.01", "") != text);
 }
 
 }  // namespace test_mesh

@@ -166,6 +166,8 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     CHECK(find_sweep("top", data.path()) == upper);
     CHECK(find_sweep("c/top", data.path()) == top);
     CHECK(find_sweep(near.string(), "nowhere") == near);
+    fs::create_directory(data.path() / "folder.toml");
+    CHECK(has(error_of([&] { find_sweep((data.path() / "folder.toml").string(), data.path()); }), "is a folder"));
     CHECK(has(error_of([&] { find_sweep("both", data.path()); }), "\"a/both\""));
     CHECK(error_of([&] {
               find_sweep("nar", data.path());

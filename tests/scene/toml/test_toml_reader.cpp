@@ -81,6 +81,7 @@ TEST_CASE("the schema is the first thing to agree on") {
     CHECK(schema_error("# c\nschema = \"lostbits-scene/2\"") ==
           "t.toml:2:10: schema is \"lostbits-scene/2\", newer than this program reads; use a newer lostbits, or write "
           "schema = \"lostbits-scene/1\"");
+    CHECK(has(schema_error("schema = \"lostbits-scene/99999999999\""), "newer than this program"));
     CHECK(
         schema_error("schema = \"lostbits-sweep/1\"") ==
         "t.toml:1:10: schema is \"lostbits-sweep/1\", which is another kind of file than expected here; write schema = "
