@@ -132,7 +132,7 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
     table.read("up", camera.up);
-    numbers.finite(table, "up", camera.up);
+    camera.up = numbers.finite(table, "up", camera.up);
     const std::vector<Real> shift = table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
     camera.shift_right = numbers.finite(table, "shift", shift[0]);
     camera.shift_up = numbers.finite(table, "shift", shift[1]);

@@ -97,7 +97,7 @@ Quantity::Quantity(const Node& node, bool special) {
     for (const auto& [name, word] : words) {
         if (rest.substr(sign ? 1 : 0) != name) continue;
         if (!special && (word == Word::nan || word == Word::inf))
-            fail(node.where, "is " + std::string(name) + ", which is allowed in rays only");
+            fail(node.where, "is " + std::string(name) + ", which is allowed in rays only; write a finite number");
         word_ = word;
         negative_ = minus;
         return;

@@ -1,5 +1,6 @@
-// Every key of a scene, wrong in every way that holds for any: told at its place, by its name, and documented.
-#include <algorithm>
+// Every key of scenes and sweeps, wrong in every way that holds for any: told at its place, by its name, and
+// documented.
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -8,6 +9,10 @@
 
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/exhaustive_file.hpp"
+#include "scene/sweep/search_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 namespace test_mistakes {
 
@@ -16,208 +21,100 @@ using namespace lostbits::scene::test;
 
 namespace {
 
-/// Between them they have every key, one a line.
-const std::string scenes[] = {
-    R"(schema = "lostbits-scene/1"
-title = "A test"
-source = "-"
-note = "nothing"
-inputs = "own"
-size = [8, 4]
-background = [0.5, 0.5, 0.5]
-[camera]
-kind = "pinhole"
-eye = [0, 0, 0]
-look_at = [0, 0, -1]
-up = [0, 1, 0]
-fov_deg = 40
-rays = "three"
-[camera.projection]
-near = 0.5
-far = 100
-depth = "gl"
-[rays]
-tmin = 0.5
-tmax = 9
-open_ends = "both"
-[light]
-position = [5, 6, 7]
-[shadows]
-surface = "half_diffuse"
-background = 0.25
-own = true
-offset = "epsilon"
-epsilon = 0.5
-[material]
-colour = [1, 0.5, 0]
-ka = 0.5
-kd = 0.5
-ks = 0.5
-n = 7
-[march]
-hit_eps = 0.5
-max_dist = 9
-relative_eps = 0.5
-cone = 0.5
-over_relaxation = 1.5
-max_steps = 7
-secant_steps = 7
-bisect_steps = 7
-[sphereflake]
-levels = 1
-centre = [0, 0, -10]
-radius = 1
-axis = [0, 1, 0]
-[[sphere]]
-centre = [0, 0, -10]
-radius = 1
-[sphere.transform]
-stored = "inverse"
-matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]
-scale = 2
-translate = [1, 2, 3]
-[sphere.transform.rotate]
-axis = [0, 0, 1]
-degrees = 30
-[sphere.transform.look_at]
-from = [0, 0, 1]
-to = [0, 0, 5]
-up = [0, 1, 0]
-[[variant]]
-name = "a"
-)",
-    R"(schema = "lostbits-scene/1"
-title = "A test"
-[camera]
-kind = "orthographic"
-eye = [0, 0, 0]
-look_at = [0, 0, -1]
-width = 2.5
-shift = [0.5, 0.5]
-[[mesh]]
-make = "icosphere"
-levels = 1
-radius = 1
-[[mesh]]
-make = "grid"
-centre = [1, 2, 3]
-parts = [2, 2]
-width = 1
-height = 1
-bump = 0.5
-[[mesh]]
-make = "tube"
-around = 8
-along = 8
-ring_radius = 2
-radius = 0.5
-[[mesh]]
-make = "fan"
-count = 8
-)",
-    R"(schema = "lostbits-scene/1"
-title = "A test"
-[camera]
-kind = "pinhole"
-eye = [0, 0, 0]
-look_at = [0, 0, -1]
-fov_deg = 40
-normalise = false
-[light]
-position = [5, 6, 7]
-[shadows]
-own = true
-offset = "ulp"
-ulps = 4
-[[sphere]]
-centre = [0, 0, -10]
-radius = 1
-)",
-    R"(schema = "lostbits-scene/1"
-title = "A test"
-[camera]
-kind = "pixel_plane"
-eye = [1, 2, 10]
-extent = [-4, -1, 4, 3]
-[[disc]]
-centre = [0, 0, 1]
-normal = [0, 0, 1]
-outer_radius = 2
-inner_radius = 1
-)"};
-
 struct Line {
     std::string text, key, table;  ///< `a = 1`, `a`, and the header that it stands under
 };
 
-std::vector<Line> lines_of(const std::string& scene) {
+struct Sample {
+    std::string name;
     std::vector<Line> lines;
-    std::string table;
-    for (std::size_t at = 0; at < scene.size(); at = scene.find('\n', at) + 1) {
-        const std::string text = scene.substr(at, scene.find('\n', at) - at);
-        if (text.starts_with('[')) table = text;
-        lines.push_back({text, text.starts_with('[') ? "" : text.substr(0, text.find(' ')), table});
-    }
-    return lines;
-}
 
-/// The scene with another line in the place of one, and its variant, which is one line too many for the other mistakes.
-std::string with_line(const std::vector<Line>& lines, std::size_t i, const std::string& text) {
-    std::string all;
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-        all += (k == i ? text : lines[k].text) + '\n';
-        if (lines[k].table == "[[variant]]" && k + 1 == lines.size()) all += "set = {}\n";
+    explicit Sample(const fs::path& file) : name(file.stem().string()) {
+        std::ifstream text(file);
+        std::string table;
+        for (std::string line; std::getline(text, line);) {
+            if (line.starts_with('[')) table = line;
+            lines.push_back({line, line.starts_with('[') ? "" : line.substr(0, line.find(' ')), table});
+        }
     }
-    return all;
-}
 
+    /// What is wrong with it where another line stands in the place of one.
+    [[nodiscard]] std::string error_with(std::size_t place, const std::string& line) const {
+        const Scratch folder;
+        std::string all;
+        for (std::size_t i = 0; i < lines.size(); ++i) all += (i == place ? line : lines[i].text) + '\n';
+        const fs::path file = folder.write("t.toml", all);
+        const bool is_scene = lines[0].text.find("scene") != std::string::npos;
+        return error_in(folder,
+                        [&] { is_scene ? static_cast<void>(scene::file::load_scene(file)) : read_sweep(file); });
+    }
+
+private:
+    static void read_sweep(const fs::path& file) {
+        using namespace scene::sweep;
+        switch (sweep_kind(file)) {
+            case SweepKind::axes: SweepFile(file, LOSTBITS_DATA_DIR); break;
+            case SweepKind::cases: CaseFile{file}; break;
+            case SweepKind::search: SearchFile{file}; break;
+            case SweepKind::edge_search: EdgeSearchFile(file, LOSTBITS_DATA_DIR); break;
+            case SweepKind::every_float: ExhaustiveFile(file, LOSTBITS_DATA_DIR); break;
+        }
+    }
+};
+
+/// `check` is called with each key of each sample; between them they have every key there is.
 template <class Check>
 void for_each_key(const Check& check) {
-    for (const std::string& scene : scenes) {
-        const std::vector<Line> lines = lines_of(scene);
-        REQUIRE(scene_error(with_line(lines, 0, lines[0].text)) == "no error");
-        for (std::size_t i = 0; i < lines.size(); ++i)
-            if (!lines[i].key.empty()) check(lines, i);
+    const fs::path folder = fs::path(LOSTBITS_DATA_DIR).parent_path() / "tests/scene/mistakes";
+    std::size_t keys = 0;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const Sample sample(entry.path());
+        INFO(sample.name);
+        REQUIRE(sample.error_with(0, sample.lines[0].text) == "no error");
+        for (std::size_t i = 0; i < sample.lines.size(); ++i) {
+            if (sample.lines[i].key.empty()) continue;
+            INFO(sample.lines[i].table << " " << sample.lines[i].key);
+            check(sample, i);
+            ++keys;
+        }
     }
+    CHECK(keys > 200);
 }
 
 bool is_at(const std::string& error, std::size_t line) {
-    return error.starts_with("scene.toml:" + std::to_string(line + 1) + ":");
+    return error.starts_with("t.toml:" + std::to_string(line + 1) + ":");
 }
 
 }  // namespace
 
-TEST_CASE("a value that no key of a scene can have is told at its place, by the name of the key, with what to write") {
-    const std::set<std::string> texts{"title", "source", "note"};
-    for_each_key([&](const std::vector<Line>& lines, std::size_t i) {
-        const std::string& key = lines[i].key;
-        for (const char* value : {"nan", "-inf", "1979-05-27", "[[]]", "\"1e400 !\"", "\"\\u009b\""}) {
-            const bool may_be_words = *value == '"' && texts.contains(key);
-            const std::string error = scene_error(with_line(lines, i, key + " = " + value));
-            INFO(lines[i].table << " " << key << " = " << value << "\n" << error);
-            if (may_be_words && value != std::string("\"\\u009b\"")) {
-                CHECK(error == "no error");
-                continue;
-            }
+TEST_CASE("a value that no key can have is told at its place, by the name of the key, with what to write") {
+    const std::set<std::string> texts{"title", "source", "note", "name", "unit", "label", "format", "metric"};
+    for_each_key([&](const Sample& sample, std::size_t i) {
+        const auto& [text, key, table] = sample.lines[i];
+        for (const std::string value : {"nan", "-inf", "1979-05-27", "[[]]", "\"1e400 !\"", "\"\\u009b\""}) {
+            // The numbers of cases are of any format, nan among them, and told by their place alone.
+            const bool is_quantity = table.starts_with("[[case");
+            if (is_quantity && table == "[[case.rays]]" && (value == "nan" || value == "-inf")) continue;
+            const std::string error = sample.error_with(i, key + " = " + value);
+            INFO(value << "\n" << error);
+            if (value == "\"1e400 !\"" && texts.contains(key) && error == "no error") continue;
             CHECK(is_at(error, i));
-            CHECK(has(error, key));
-            CHECK((has(error, "; ") || has(error, "expected here")));
+            CHECK((is_quantity || has(error, key)));
+            CHECK((has(error, "; ") || has(error, "expected") || has(error, "must be")));  // what to write
         }
     });
 }
 
-TEST_CASE("a key that is missing or misspelt is told, or has a value of its own") {
+TEST_CASE("a key that is missing, misspelt or there twice is told, or has a value of its own") {
     // Without these nothing else has a meaning, or keys beside them have none and are told first.
-    const std::set<std::string> leading{"schema", "own", "offset", "make", "kind"};
-    for_each_key([&](const std::vector<Line>& lines, std::size_t i) {
-        const std::string& key = lines[i].key;
-        if (leading.contains(key)) return;
-        INFO(lines[i].table << " " << key);
-        const std::string missing = scene_error(with_line(lines, i, "")),
-                          misspelt = scene_error(with_line(lines, i, key[0] + lines[i].text)),
-                          twice = scene_error(with_line(lines, i, lines[i].text + "\n" + lines[i].text));
+    const std::set<std::string> leading{"schema", "own", "offset", "make", "kind", "lo", "all"};
+    for_each_key([&](const Sample& sample, std::size_t i) {
+        const auto& [text, key, table] = sample.lines[i];
+        if (leading.contains(key) || (key == "scene" && table.empty())) return;
+        const std::string missing = sample.error_with(i, ""), misspelt = sample.error_with(i, key[0] + text),
+                          twice = sample.error_with(i, text + "\n" + text);
         INFO(missing << "\n" << misspelt);
-        CHECK((missing == "no error" || (missing.starts_with("scene.toml:") && has(missing, key))));
+        CHECK((missing == "no error" || (missing.starts_with("t.toml:") && has(missing, key))));
         CHECK(is_at(misspelt, i));
         CHECK(has(misspelt, "did you mean \"" + key + "\"?"));
         CHECK(is_at(twice, i + 1));
@@ -225,23 +122,33 @@ TEST_CASE("a key that is missing or misspelt is told, or has a value of its own"
     });
 }
 
-TEST_CASE("every key that a scene may have stands in data/README.md") {
+TEST_CASE("every key that a scene or a sweep may have stands in data/README.md") {
     std::ifstream file(fs::path(LOSTBITS_DATA_DIR) / "README.md");
     const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    const std::string about = text.substr(0, text.find("## sweeps/"));
-    std::set<std::string> known;
-    for_each_key([&](const std::vector<Line>& lines, std::size_t i) {
+    const std::size_t of_sweeps = text.find("## sweeps/"), end = text.find("## hard/");
+    std::set<std::string> of_scene, of_sweep;
+    for_each_key([&](const Sample& sample, std::size_t i) {
+        auto& known = has(sample.lines[0].text, "sweep") ? of_sweep : of_scene;
         // An unknown key ends in the names of all that are known there, where they are a dozen at most.
-        const std::string error = scene_error(with_line(lines, i, lines[i].text + "\nqqqqqqqq = 1"));
+        const std::string error = sample.error_with(i, sample.lines[i].text + "\nqqqqqqqq = 1");
         static const std::regex name("\"([a-z_]+)\"");
-        for (std::sregex_iterator at(error.begin(), error.end(), name), end; at != end; ++at) known.insert((*at)[1]);
-        known.insert(lines[i].key);
+        for (std::sregex_iterator at(error.begin(), error.end(), name), last; at != last; ++at) known.insert((*at)[1]);
+        known.insert(sample.lines[i].key);
     });
-    CHECK(known.size() > 60);
-    for (const std::string& key : known) {
-        INFO(key);
-        CHECK(std::regex_search(about, std::regex("`[^`]*\\b" + key + "\\b")));
+    std::set<std::string> of_shapes{"schema"};  // stand there by example
+    for (const ShapeRow& row : shape_rows) {
+        of_shapes.insert({std::string(row.name), std::string(row.plural)});
+        for (const Key& key : row.keys) of_shapes.emplace(key.name);
     }
+    const auto require_documented = [&](const std::set<std::string>& keys, const std::string& about) {
+        for (const std::string& key : keys) {
+            if (of_shapes.contains(key)) continue;
+            INFO(key);
+            CHECK(std::regex_search(about, std::regex("`[^`]*\\b" + key + "\\b")));
+        }
+    };
+    require_documented(of_scene, text.substr(0, of_sweeps));
+    require_documented(of_sweep, text.substr(of_sweeps, end - of_sweeps));
 }
 
 }  // namespace test_mistakes

@@ -191,8 +191,8 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     }
     CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" contains a space inside a number or word; remove it");
     CHECK(has(ray_error("big"), "max, min, tiny, nan or inf"));
-    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only");
-    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only");
+    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only; write a finite number");
+    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only; write a finite number");
     CHECK(solid_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
     CHECK(solid_error("max") == "no error");
     CHECK(ray_error("-nan") == "no error");
@@ -202,7 +202,8 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     const std::vector<Node>& items = root.find("a")->items;
     CHECK(std::isnan(Quantity(items[0], true).in(binary32, 0)));
     CHECK(Quantity(items[1], true).in(binary32, 0) == -infinity);
-    CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which is allowed in rays only");
+    CHECK(error_in(folder, [&] { Quantity(items[2], false); }) ==
+          "t.toml:1:17: is inf, which is allowed in rays only; write a finite number");
     CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
 }
 
