@@ -113,22 +113,6 @@ TEST_CASE("values of each type are read") {
     CHECK_NOTHROW(table.reject_unknown_keys());
 }
 
-TEST_CASE("an optional key may be missing") {
-    const Text text("");
-    TableReader table = text.reader();
-    CHECK_FALSE(table.optional_string("s"));
-    CHECK_FALSE(table.optional_strings("s"));
-    CHECK_FALSE(table.optional_integer("i", 0, 1));
-    CHECK_FALSE(table.optional_integers("i", 2, 0, 1));
-    CHECK_FALSE(table.optional_boolean("b"));
-    CHECK_FALSE(table.optional_number("n"));
-    CHECK_FALSE(table.optional_numbers("n"));
-    CHECK_FALSE(table.optional_vec3("v"));
-    CHECK_FALSE(table.optional_table("t"));
-    CHECK_FALSE(table.optional_one_of<Fruit>("f", fruit));
-    CHECK(table.tables("a").empty());
-}
-
 TEST_CASE("a float is read from its digits, wherever it stands") {
     const Text text("\"\xc3\xa9\xc3\xa9\" = [\"\xc3\xa9\", 0.1, 1_000.000_1, +3.5e-1] # \xc3\xa9\na = { b = 0.1 }\n");
     const Node& items = text.root.entries[0].value;
