@@ -1,3 +1,5 @@
+#include <array>
+
 #include "scene/file/stretch.hpp"
 #include "scene/file/tables.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -74,40 +76,36 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
                       "is false, and camera.rays makes directions of length one; leave one of the two out");
 }
 
-/// The keys that a kind of camera does not have, and why. Any other key is one of every kind.
-struct ForeignKey {
-    Camera::Kind kind;
-    std::string_view key, why;
-};
-
 constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out",
                            extent_alone =
-                               "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg "
-                               "(pinhole)",
-                           looks_by_extent =
-                               "has no meaning for a camera of pixels at z = 0; extent and eye say where "
-                               "it looks",
-                           sized_by_extent =
-                               "has no meaning for a camera of pixels at z = 0; write extent = [left, "
-                               "bottom, right, top], in world units";
-constexpr ForeignKey foreign_keys[] = {
-    {Camera::Kind::pixel_plane, "look_at", looks_by_extent},
-    {Camera::Kind::pixel_plane, "up", looks_by_extent},
-    {Camera::Kind::pixel_plane, "shift", looks_by_extent},
-    {Camera::Kind::pixel_plane, "rays", pinholes_alone},
-    {Camera::Kind::pixel_plane, "projection", pinholes_alone},
-    {Camera::Kind::pixel_plane, "width", sized_by_extent},
-    {Camera::Kind::pixel_plane, "fov_deg", sized_by_extent},
-    {Camera::Kind::pixel_plane, "normalise",
+                               "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)";
+
+/// Keys that a kind of camera does not have, and why: any other key is one of every kind.
+struct ForeignKeys {
+    Camera::Kind kind;
+    std::array<std::string_view, 3> keys;  ///< or fewer
+    std::string_view why;
+};
+constexpr ForeignKeys foreign_keys[] = {
+    {Camera::Kind::pixel_plane,
+     {"look_at", "up", "shift"},
+     "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks"},
+    {Camera::Kind::pixel_plane, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::pixel_plane,
+     {"width", "fov_deg"},
+     "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in world units"},
+    {Camera::Kind::pixel_plane,
+     {"normalise"},
      "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out"},
-    {Camera::Kind::orthographic, "extent", extent_alone},
-    {Camera::Kind::orthographic, "rays", pinholes_alone},
-    {Camera::Kind::orthographic, "projection", pinholes_alone},
-    {Camera::Kind::orthographic, "fov_deg", "has no meaning for an orthographic camera; write width, in world units"},
-    {Camera::Kind::orthographic, "normalise",
+    {Camera::Kind::orthographic, {"extent"}, extent_alone},
+    {Camera::Kind::orthographic, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::orthographic, {"fov_deg"}, "has no meaning for an orthographic camera; write width, in world units"},
+    {Camera::Kind::orthographic,
+     {"normalise"},
      "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out"},
-    {Camera::Kind::pinhole, "extent", extent_alone},
-    {Camera::Kind::pinhole, "width",
+    {Camera::Kind::pinhole, {"extent"}, extent_alone},
+    {Camera::Kind::pinhole,
+     {"width"},
      "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees"},
 };
 
@@ -159,8 +157,9 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
 Camera read_camera(TableReader table, const StoredNumbers& numbers) {
     Camera camera;
     camera.kind = table.one_of<Camera::Kind>("kind", camera_names);
-    for (const ForeignKey& foreign : foreign_keys)
-        if (foreign.kind == camera.kind) table.reject(foreign.key, foreign.why);
+    for (const auto& [kind, keys, why] : foreign_keys)
+        for (const std::string_view key : keys)
+            if (kind == camera.kind && !key.empty()) table.reject(key, why);
     if (camera.kind == Camera::Kind::pixel_plane) read_pixel_plane(table, numbers, camera);
     else read_view(table, numbers, camera);
     table.reject_unknown_keys();
