@@ -56,8 +56,8 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
     solid.placed = {{half, r / 4, zero, c.x, zero, twice, zero, c.y, r / 8, zero, r, c.z}, false, 1};
     scene.listed.resize(1);
     scene.appearance.materials.resize(1);
-    const auto& form = intersect::space::through(testing::space_named("relative"),
-                                                 *rows_of({"f64"}, "sphere.unified").front().form);
+    const auto& form =
+        intersect::space::through(testing::space_named("relative"), *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
         {.scene = &scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);

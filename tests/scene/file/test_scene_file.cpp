@@ -37,25 +37,6 @@ std::string set_error(const std::string& assignment) {
 
 }  // namespace
 
-TEST_CASE("a scene holds what its file says") {
-    const Scene s = loaded(good_scene);
-    CHECK(s.id == "scene");
-    CHECK(s.path.filename() == "scene.toml");
-    CHECK(s.title == "A test");
-    CHECK(s.source == "-");
-    CHECK(s.note == "nothing");
-    CHECK(s.inputs == Inputs::shared);
-    CHECK(s.width == 8);
-    CHECK(s.height == 4);
-    CHECK(s.camera.kind == Camera::Kind::orthographic);
-    CHECK(s.camera.look_at.z == -1);
-    CHECK(s.camera.up.y == 1);
-    CHECK(s.camera.width == Real(2.5));
-    REQUIRE(s.listed.size() == 1);
-    CHECK(s.listed[0].sphere().centre.z == -10);
-    CHECK(s.listed[0].sphere().radius == 1);
-}
-
 TEST_CASE("what a scene leaves out has its default") {
     std::string text = good_scene;
     for (const std::string line :
@@ -149,12 +130,6 @@ TEST_CASE("an override changes one number, vector, element or name") {
     CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
 }
 
-TEST_CASE("an override may give an optional key that the file leaves out") {
-    const Scene shifted = loaded(good_scene, set("camera.shift=[0.25, -1]"));
-    CHECK(shifted.camera.shift_right == Real(0.25));
-    CHECK(shifted.camera.shift_up == -1);
-}
-
 TEST_CASE("overrides apply in order, after the variant's, and the size last") {
     LoadOptions options = set("sphere[0].radius=2");
     options.overrides.push_back(parse_override("sphere[0].radius=3"));
@@ -218,15 +193,6 @@ TEST_CASE("a malformed override says how one is written") {
           "--set sphere[0=1: the path \"sphere[0\" has an index that is not a whole number" + keys);
     CHECK(set_error("sphere[0]radius=1") ==
           "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
-}
-
-TEST_CASE("a value that the scene refuses is refused in the option's name") {
-    CHECK(set_error("sphere[0].radius=-1") ==
-          "--set sphere[0].radius=-1: sphere[0].radius must be greater than 0; write a positive number");
-    CHECK(set_error("sphere[0].radius=abc")
-              .starts_with("--set sphere[0].radius=abc: sphere[0].radius = \"abc\" is not a number; write"));
-    CHECK(set_error("sphere[0].centre=[1, 2")
-              .starts_with("--set sphere[0].centre=[1, 2: sphere[0].centre is the string \"[1, 2\", but an array"));
 }
 
 TEST_CASE("plain tables in a variant's set extend the path") {
