@@ -147,7 +147,7 @@ TEST_CASE("what the pixel plane cannot be is said with its place") {
               .starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
     CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 1e-60]")
               .starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
-    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [4, -1, -4, 3]")
+    CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [4, -1, 4, 3]")
               .starts_with("scene.toml:8:10: camera.extent covers nothing"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4, 3]\nlook_at = [0, 0, 0]")
               .starts_with("scene.toml:9:1: camera.look_at has no meaning"));
