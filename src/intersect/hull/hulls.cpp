@@ -1,6 +1,5 @@
 #include "intersect/hull/hulls.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "number/interval.hpp"
@@ -74,11 +73,6 @@ std::span<const HullWay> hulls() {
         return rows;
     }();
     return all;
-}
-
-const HullWay* find_hull(std::string_view name) {
-    const auto found = std::ranges::find(hulls(), name, [](const HullWay& way) { return way.info->name; });
-    return found == hulls().end() ? nullptr : &*found;
 }
 
 const HullWay& usual_hull() { return hulls().front(); }

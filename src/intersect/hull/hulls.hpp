@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include "intersect/hull/list.hpp"
 #include "number/format.hpp"
@@ -19,8 +18,6 @@ struct HullWay {
 
 /// In the order of the list.
 std::span<const HullWay> hulls();
-/// Null where none has that name.
-const HullWay* find_hull(std::string_view name);
 /// The one that is taken where none is named: the exact box rounded outward.
 const HullWay& usual_hull();
 

@@ -1,6 +1,5 @@
 #include "intersect/space/space.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "intersect/simd/packed.hpp"
@@ -203,11 +202,6 @@ std::span<const Space> spaces() {
         return rows;
     }();
     return all;
-}
-
-const Space* find_space(std::string_view name) {
-    const auto found = std::ranges::find(spaces(), name, [](const Space& s) { return s.info->name; });
-    return found == spaces().end() ? nullptr : &*found;
 }
 
 const Space& usual_space() { return spaces().front(); }

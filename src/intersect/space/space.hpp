@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "intersect/space/info.hpp"
@@ -83,8 +82,6 @@ const StepsIn<T>& steps_in(const Space& space) {
 
 /// In the order of the list.
 std::span<const Space> spaces();
-/// Null where none has that name.
-const Space* find_space(std::string_view name);
 /// The one that is taken where none is named.
 const Space& usual_space();
 

@@ -1,7 +1,6 @@
 #include "scene/dump/dump.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -36,13 +35,10 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
                          ": its columns have a solid for each ray, and the command line has one for all; leave "
                          "one of the two out");
     if (!layout.solid() && !options.solid) {
-        std::string columns, named;
-        for (const ShapeRow& row : shape_rows) {
-            columns += (columns.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
-            named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
-        }
-        throw InputError(file + ": no column has a solid; add " + columns + ", or name one for all rays with " + named +
-                         "or --scene SCENE");
+        std::string named;
+        for (const ShapeRow& row : shape_rows) named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
+        throw InputError(file + ": no column has a solid; add " + columns_of_solids() +
+                         ", or name one for all rays with " + named + "or --scene SCENE");
     }
     if (!options.miss) return;
     if (layout.has(slot::hit) || !layout.has(slot::t))

@@ -105,14 +105,18 @@ struct NamedShapes {
 constexpr std::string_view hex_tail = "_hex";
 
 std::string what_to_write() {
-    std::string solids;
-    for (const ShapeRow& row : shape_rows)
-        solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
-    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, the solid's " + solids +
+    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, the solid's " + columns_of_solids() +
            ", perhaps its matrix m00,m01,...,m23, and the answer's hit and t";
 }
 
 }  // namespace
+
+std::string columns_of_solids() {
+    std::string solids;
+    for (const ShapeRow& row : shape_rows)
+        solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
+    return solids;
+}
 
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
     const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || !shape || *k.shape == *shape); };

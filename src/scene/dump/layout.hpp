@@ -65,6 +65,9 @@ private:
     std::optional<Shape> solid_;
 };
 
+/// `cx,cy,cz,radius or lox,loy,…`: of each shape.
+std::string columns_of_solids();
+
 /// `ox`, `cx`, `lox`: how messages and files call a number of a record; `shape` tells what the solid is,
 /// where the number is one of it.
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);

@@ -1,3 +1,5 @@
+#include <array>
+
 #include "scene/file/stretch.hpp"
 #include "scene/file/tables.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -28,8 +30,7 @@ bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
 /// 1/tan, near and near far/(far − near) stand in the matrix: where one of them is 0 it has no inverse.
 CameraProjection read_projection(TableReader table, const StoredNumbers& numbers) {
     CameraProjection projection;
-    projection.depth = table.optional_one_of<CameraProjection::Depth>("depth", depth_names)
-                           .value_or(CameraProjection::Depth::zero_to_one);
+    table.read("depth", projection.depth, depth_names);
     projection.near = numbers.positive(table, "near", table.number("near"));
     if (table.has("far")) {
         projection.far = numbers.positive(table, "far", table.number("far"));
@@ -75,26 +76,45 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
                       "is false, and camera.rays makes directions of length one; leave one of the two out");
 }
 
-constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out";
+constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out",
+                           extent_alone =
+                               "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)";
+
+/// Keys that a kind of camera does not have, and why: any other key is one of every kind.
+struct ForeignKeys {
+    Camera::Kind kind;
+    std::array<std::string_view, 3> keys;  ///< or fewer
+    std::string_view why;
+};
+constexpr ForeignKeys foreign_keys[] = {
+    {Camera::Kind::pixel_plane,
+     {"look_at", "up", "shift"},
+     "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks"},
+    {Camera::Kind::pixel_plane, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::pixel_plane,
+     {"width", "fov_deg"},
+     "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in world units"},
+    {Camera::Kind::pixel_plane,
+     {"normalise"},
+     "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out"},
+    {Camera::Kind::orthographic, {"extent"}, extent_alone},
+    {Camera::Kind::orthographic, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::orthographic, {"fov_deg"}, "has no meaning for an orthographic camera; write width, in world units"},
+    {Camera::Kind::orthographic,
+     {"normalise"},
+     "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out"},
+    {Camera::Kind::pinhole, {"extent"}, extent_alone},
+    {Camera::Kind::pinhole,
+     {"width"},
+     "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees"},
+};
 
 /// The camera whose picture plane lies in the world, at z = 0.
-Camera read_pixel_plane(TableReader& table, const StoredNumbers& numbers) {
-    Camera camera;
-    camera.kind = Camera::Kind::pixel_plane;
+void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     if (numbers.vanishes(camera.eye.z))
         table.fail_at("eye",
                       "lies in the plane of the pixels, z = 0, and would see it as a line; move it off the plane");
-    for (const char* key : {"look_at", "up", "shift"})
-        table.reject(key, "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks");
-    for (const char* key : {"rays", "projection"}) table.reject(key, pinholes_alone);
-    for (const char* key : {"width", "fov_deg"})
-        table.reject(key,
-                     "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in "
-                     "world units");
-    table.reject(
-        "normalise",
-        "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out");
     std::vector<Real> extent = table.numbers("extent", 4);
     for (Real& x : extent) x = numbers.finite(table, "extent", x);
     camera.left = extent[0];
@@ -103,20 +123,14 @@ Camera read_pixel_plane(TableReader& table, const StoredNumbers& numbers) {
     camera.top = extent[3];
     if (!(camera.left < camera.right && camera.bottom < camera.top))
         table.fail_at("extent", "covers nothing; write [left, bottom, right, top] with left < right and bottom < top");
-    table.reject_unknown_keys();
-    return camera;
 }
 
-}  // namespace
-
-Camera read_camera(TableReader table, const StoredNumbers& numbers) {
-    Camera camera;
-    camera.kind = table.one_of<Camera::Kind>("kind", camera_names);
-    if (camera.kind == Camera::Kind::pixel_plane) return read_pixel_plane(table, numbers);
-    table.reject("extent", "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)");
+/// A camera that looks from its eye along a view, through a window around it.
+void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
-    camera.up = numbers.finite(table, "up", table.optional_vec3("up").value_or(Vec<Real>(Real(0), Real(1), Real(0))));
+    table.read("up", camera.up);
+    camera.up = numbers.finite(table, "up", camera.up);
     const std::vector<Real> shift = table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
     camera.shift_right = numbers.finite(table, "shift", shift[0]);
     camera.shift_up = numbers.finite(table, "shift", shift[1]);
@@ -128,20 +142,26 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
         table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
-        for (const char* key : {"rays", "projection"}) table.reject(key, pinholes_alone);
-        table.reject("fov_deg", "has no meaning for an orthographic camera; write width, in world units");
-        table.reject("normalise",
-                     "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out");
         camera.width = numbers.positive(table, "width", table.number("width"));
-    } else {
-        table.reject("width",
-                     "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees");
-        camera.fov_deg = table.number("fov_deg");
-        if (camera.fov_deg <= 0 || camera.fov_deg >= 180)
-            table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
-        camera.normalise = table.optional_boolean("normalise").value_or(true);
-        read_rays_of_camera(table, numbers, camera);
+        return;
     }
+    camera.fov_deg = table.number("fov_deg");
+    if (camera.fov_deg <= 0 || camera.fov_deg >= 180)
+        table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
+    table.read("normalise", camera.normalise);
+    read_rays_of_camera(table, numbers, camera);
+}
+
+}  // namespace
+
+Camera read_camera(TableReader table, const StoredNumbers& numbers) {
+    Camera camera;
+    camera.kind = table.one_of<Camera::Kind>("kind", camera_names);
+    for (const auto& [kind, keys, why] : foreign_keys)
+        for (const std::string_view key : keys)
+            if (kind == camera.kind && !key.empty()) table.reject(key, why);
+    if (camera.kind == Camera::Kind::pixel_plane) read_pixel_plane(table, numbers, camera);
+    else read_view(table, numbers, camera);
     table.reject_unknown_keys();
     return camera;
 }

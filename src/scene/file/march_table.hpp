@@ -12,10 +12,8 @@
 
 namespace lostbits::scene::file {
 
-/// Reads `[march]`. Where a key is missing: hit_eps 0.001, max_steps 64 and max_dist 20 as SDF Sphere Marching (lesson
-/// P0-C1) has them; relative_eps and cone 0.001, over_relaxation 1.4, secant_steps 2, bisect_steps 16. InputError with
-/// a position for anything out of range: lengths and thresholds > 0 (also in binary32 where inputs are shared),
-/// over_relaxation in [1, 2), counts in [1, 100000] and [0, 200].
+/// Reads `[march]`; a missing hit_eps, max_steps or max_dist is as SDF Sphere Marching (lesson P0-C1) has it.
+/// InputError with a position for anything out of range, also in binary32 where inputs are shared.
 intersect::MarchConstants<Real> read_march(toml::TableReader table, Inputs inputs);
 
 /// Each constant rounded once to F.

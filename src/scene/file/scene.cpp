@@ -63,7 +63,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     };
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
-    range.open = table.optional_one_of<OpenEnds>("open_ends", open_ends_names).value_or(OpenEnds{});
+    table.read("open_ends", range.open, open_ends_names);
     table.reject_unknown_keys();
     if (range.tmin < 0) table.fail_at("tmin", "is below 0, and a ray looks ahead; write 0 or more");
     if (!range.holds_any())
@@ -72,12 +72,12 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     return range;
 }
 
-/// "[[sphere]] with centre and radius, or [[box]] with lo and hi"
+/// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
 std::string tables_of_solids() {
     std::string words;
     for (const ShapeRow& row : shape_rows)
-        words += (words.empty() ? "[[" : ", or [[") + std::string(row.name) + "]] with " + key_words(row.shape);
-    return words;
+        words += "[[" + std::string(row.name) + "]] with " + key_words(row.shape) + ", ";
+    return words + "[sphereflake] with levels, or [[mesh]] with file or make";
 }
 
 bool is_plain_name(std::string_view name) {
@@ -153,9 +153,9 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     TableReader file(root);
     toml::require_schema(file, schema);
     scene.title = file.title("title");
-    scene.source = file.optional_string("source").value_or("-");
-    scene.note = file.optional_string("note").value_or("");
-    scene.inputs = file.optional_one_of<Inputs>("inputs", inputs_names).value_or(Inputs::shared);
+    file.read("source", scene.source);
+    file.read("note", scene.note);
+    file.read("inputs", scene.inputs, inputs_names);
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
@@ -163,7 +163,8 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
             file.fail_at("size", "is too large: more than 2^30 pixels; make it smaller");
     }
     const StoredNumbers numbers(scene.inputs);
-    scene.camera = read_camera(file.table("camera"), numbers);
+    TableReader camera = file.table("camera");
+    scene.camera = read_camera(camera, numbers);
     scene.appearance = read_appearance(file, numbers);
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& table : file.tables(row.name)) {
@@ -190,7 +191,11 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        file.fail_at(shape_rows.front().name, "is missing; a scene has at least one " + tables_of_solids());
+        toml::fail(file.where(), "the scene has no solids; write at least one " + tables_of_solids());
+    if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
+        camera.fail_at("rays",
+                       "makes rays in each format, by which meshes and flakes are rounded then; write inputs = "
+                       "\"own\"");
     return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
 }
 
@@ -273,7 +278,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         refuse_slip();
         return {as_path};
     }
-    if (std::filesystem::is_regular_file(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
+    // A folder too, or a pipe: what reads it says what it is.
+    if (std::filesystem::exists(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
     const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());

@@ -39,9 +39,10 @@ struct Camera {
     Kind kind = Kind::pinhole;
     Vec<Real> eye;      ///< pinhole, pixel_plane: where all rays start; orthographic: the centre of the picture
     Vec<Real> look_at;  ///< the rays' direction is look_at − eye, of any length
-    Vec<Real> up;       ///< appears upright in the picture; need be neither unit nor perpendicular
-    Real width;         ///< orthographic: the picture's width in world units; the height follows, pixels being square
-    Real fov_deg;       ///< pinhole: the vertical field of view in degrees
+    /// Appears upright in the picture; need be neither unit nor perpendicular.
+    Vec<Real> up{Real(0), Real(1), Real(0)};
+    Real width;    ///< orthographic: the picture's width in world units; the height follows, pixels being square
+    Real fov_deg;  ///< pinhole: the vertical field of view in degrees
     /// Moves the window on the picture plane, right and up, in picture widths; the view direction stays.
     Real shift_right, shift_up;
     bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
@@ -58,8 +59,8 @@ struct Camera {
 struct Scene {
     std::string id;  ///< the file's stem, and `.variant` where it has variants
     std::string title;
-    std::string source;  ///< what the scene reproduces, or "-"
-    std::string note;    ///< what to look for
+    std::string source = "-";  ///< what the scene reproduces
+    std::string note;          ///< what to look for
     Inputs inputs = Inputs::shared;
     int width = 256;  ///< pixels
     int height = 256;

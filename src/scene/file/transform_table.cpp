@@ -63,7 +63,8 @@ Map read_rotation(TableReader table) {
 /// The origin comes to `from`, the z axis points to `to`, the y axis up.
 Map read_look_at(TableReader table) {
     const Vec<Real> from = table.vec3("from"), to = table.vec3("to");
-    const Vec<Real> up = table.optional_vec3("up").value_or(axis(1));
+    Vec<Real> up = axis(1);
+    table.read("up", up);
     table.reject_unknown_keys();
     const Vec<Real> view = to - from, across = cross(up, view);
     if (vanishes(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
@@ -119,7 +120,8 @@ constexpr std::pair<std::string_view, bool> stored_names[] = {{"forward", false}
 std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNumbers& numbers) {
     auto table = solid.optional_table("transform");
     if (!table) return std::nullopt;
-    const bool is_inverse = table->optional_one_of<bool>("stored", stored_names).value_or(false);
+    bool is_inverse = false;
+    table->read("stored", is_inverse, stored_names);
     const Map map = read_map(*table);
     table->reject_unknown_keys();
     const std::string_view where = table->has("matrix") ? "matrix" : "scale";

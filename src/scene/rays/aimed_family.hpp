@@ -42,9 +42,7 @@ struct AimedFamily {
     /// InputError with a position for anything out of range.
     static F read(toml::TableReader table) {
         F f;
-        if constexpr (requires { F::aims; })
-            f.aim = table.optional_one_of<int>("aim", std::span<const std::pair<std::string_view, int>>(F::aims))
-                        .value_or(f.aim);
+        if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
         table.read_number("size", f.size, 0x1p-100, 0x1p+100);
         table.read_number("distance", f.distance, 0, 0x1p+100);
         table.read_number("aside", f.aside, 0, 0x1p+20);

@@ -42,9 +42,9 @@ template <class F>
 void read_common_keys(toml::TableReader& table, F& family) {
     table.read_number("direction_magnitude", family.direction_magnitude, 0x1p-120, 0x1p+120);
     table.read_number("offset", family.offset, -0x1p+100, 0x1p+100);
-    family.views = static_cast<int>(table.optional_integer("views", 1, 4096).value_or(family.views));
-    family.rays = static_cast<int>(table.optional_integer("rays", 1, 65536).value_or(family.rays));
-    family.seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
+    table.read("views", family.views, 1, 4096);
+    table.read("rays", family.rays, 1, 65536);
+    table.read("seed", family.seed, 0, 1LL << 53);
     table.reject_unknown_keys();
 }
 

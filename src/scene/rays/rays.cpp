@@ -153,9 +153,4 @@ RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
     return round_block(make_shared_rays(scene, y0, y1), f);
 }
 
-Solid<double> input_solid(const Scene& scene, std::size_t solid, const FloatFormat& f) {
-    const Solid<Real> spec = scene.solids().at(solid);
-    return scene.inputs == file::Inputs::own ? round_solid(spec, f) : round_solid(round_solid(spec, binary32), f);
-}
-
 }  // namespace lostbits::scene::rays

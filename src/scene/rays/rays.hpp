@@ -117,6 +117,5 @@ std::vector<Solid<double>> stored_solids(const file::Scene& scene, const FloatFo
 /// What a form in format F is given, whatever the scene's `inputs`: shared inputs rounded to binary32 and then, where
 /// F is narrower, to F; own inputs rounded once to F.
 RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& f);
-Solid<double> input_solid(const file::Scene& scene, std::size_t solid, const FloatFormat& f);
 
 }  // namespace lostbits::scene::rays

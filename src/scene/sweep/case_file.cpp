@@ -103,7 +103,7 @@ std::string solids_of_a_case() {
 CaseFile::Case CaseFile::read_case(TableReader& table) {
     Case c;
     c.name = table.string("name");
-    c.note = table.optional_string("note").value_or("");
+    table.read("note", c.note);
     if (table.has("lengths")) c.lengths = toml::Exponent(table.node("lengths"));
     if (table.has("directions")) c.directions = toml::Exponent(table.node("directions"));
     if (const auto zeros = table.optional_string("zeros")) {
@@ -111,7 +111,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
             table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
-    c.symmetric = table.optional_boolean("symmetric").value_or(false);
+    table.read("symmetric", c.symmetric);
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& solid : table.tables(row.plural)) {
             SolidSpec spec{row.shape, {}};
@@ -139,7 +139,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
-    c.open = table.optional_one_of<OpenEnds>("open_ends", open_ends_names).value_or(OpenEnds{});
+    table.read("open_ends", c.open, open_ends_names);
     if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
     table.reject_unknown_keys();
     return c;

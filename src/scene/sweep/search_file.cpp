@@ -60,17 +60,18 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
                 table.fail_at("exponents", "are two whole numbers, -1074 to 1074: of the powers of two of its numbers");
         }
     }
-    at_edge = table.optional_boolean("at_edge").value_or(false);
+    table.read("at_edge", at_edge);
     if (at_edge && !row_of(shape).edges) table.reject("at_edge", "needs a box: it is an edge that rays are aimed at");
-    metric = table.optional_string("metric").value_or("lost_bits");
-    seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
-    starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
-    generations = static_cast<int>(table.optional_integer("generations", 1, 65536).value_or(generations));
-    nearest = table.optional_boolean("nearest").value_or(false);
+    table.read("metric", metric);
+    table.read("seed", seed, 0, 1LL << 53);
+    table.read("starts", starts, 1, 4096);
+    table.read("generations", generations, 1, 65536);
+    table.read("nearest", nearest);
     if (nearest && !is_round())
         table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
-    smallest = table.optional_boolean("smallest").value_or(false);
-    hits_only = table.optional_boolean("hits_only").value_or(false) || smallest;
+    table.read("smallest", smallest);
+    table.read("hits_only", hits_only);
+    hits_only = hits_only || smallest;
     if (hits_only && nearest)
         table.reject(smallest ? "smallest" : "hits_only",
                      "cannot be combined with nearest, which is about wrong decisions");
@@ -107,9 +108,9 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     if (table.has("distance")) distance = read_range(table, "distance");
     if (!(distance.low > 0 && distance.high <= 0x1p60))
         table.fail_at("distance", "must lie above 0 and up to 2^60, in lengths of an edge");
-    ulps = static_cast<int>(table.optional_integer("ulps", 0, 1024).value_or(ulps));
-    seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
-    rays = table.optional_integer("rays", 1, 1LL << 40).value_or(rays);
+    table.read("ulps", ulps, 0, 1024);
+    table.read("seed", seed, 0, 1LL << 53);
+    table.read("rays", rays, 1, 1LL << 40);
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }

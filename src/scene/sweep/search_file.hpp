@@ -41,7 +41,7 @@ public:
     /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is
     /// no surprise; these keep the search to rays that should be easy.
     SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
-    std::string metric;  ///< made as large as possible; a wrong decision beats any value
+    std::string metric = "lost_bits";  ///< made as large as possible; a wrong decision beats any value
     /// The metric is made as small as possible instead, as of `bound_ratio`; of hits alone.
     bool smallest = false;
     /// Wrong decisions are passed over: the worst of the hits is looked for.

@@ -313,15 +313,18 @@ bool is_sweep_file(const std::filesystem::path& path) {
 }
 
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir) {
-    if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
+    std::error_code none;
+    const auto there = std::filesystem::status(name_or_path, none);
+    if (std::filesystem::is_regular_file(there)) return name_or_path;
+    if (std::filesystem::exists(there) && (!is_directory(there) || name_or_path.ends_with(".toml")))
+        throw InputError(name_or_path + ": is a folder or a pipe; name a .toml file, which may be read twice");
     // `hard/padding`: by its whole name alone, as the search that found it has the same last part.
     if (const auto hard = data_dir / (name_or_path + ".toml");
         name_or_path.starts_with("hard/") && std::filesystem::is_regular_file(hard))
         return hard;
     std::vector<std::string> names;
-    std::error_code error;
     const auto folder = data_dir / "sweeps";
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, error)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, none)) {
         if (entry.path().extension() == ".toml")
             names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
     }

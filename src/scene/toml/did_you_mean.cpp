@@ -10,12 +10,11 @@ constexpr std::size_t most_listed = 12;
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 int most_edits(std::size_t letters) {
+    if (letters == 0) return 0;
     if (letters <= 5) return 1;
     if (letters <= 8) return 2;
     return static_cast<int>(letters / 3);
 }
-
-std::string quoted(const std::string& word) { return '"' + word + '"'; }
 
 /// The candidate that `fits`, if one alone does.
 template <class Fits>
@@ -34,6 +33,16 @@ bool is_left_of(std::string_view part, std::string_view whole) {
 }
 
 }  // namespace
+
+std::string excerpt(std::string_view text) {
+    constexpr std::size_t most_bytes = 400;
+    if (text.size() <= most_bytes) return std::string(text);
+    std::size_t end = most_bytes / 4;
+    while ((text[end] & 0xC0) == 0x80) --end;  // no letter is cut
+    return std::string(text.substr(0, end)) + "... (" + std::to_string(text.size()) + " bytes)";
+}
+
+std::string quoted_excerpt(std::string_view text) { return '"' + excerpt(text) + '"'; }
 
 int edit_distance(std::string_view a, std::string_view b) {
     // Three rows of the table are alive: a swap looks two rows back.
@@ -111,10 +120,10 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
     if (candidates.empty()) return "";
-    if (const auto near = closest(word, candidates)) return "did you mean " + quoted(*near) + "?";
+    if (const auto near = closest(word, candidates)) return "did you mean " + quoted_excerpt(*near) + "?";
     std::string text = "known here: ";
     for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
-        text += (i > 0 ? ", " : "") + quoted(candidates[i]);
+        text += (i > 0 ? ", " : "") + quoted_excerpt(candidates[i]);
     if (candidates.size() > most_listed) text += " and " + std::to_string(candidates.size() - most_listed) + " more";
     return text;
 }

@@ -20,6 +20,11 @@ std::optional<std::string> slip_of(std::string_view word, const std::vector<std:
 /// `word` in their order.
 std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates);
 
+/// A text of a user as messages have it: of many letters the first, and how many bytes there are.
+std::string excerpt(std::string_view text);
+/// The same in quotes.
+std::string quoted_excerpt(std::string_view text);
+
 /// The end of an error message: `did you mean "camera"?`, or, with nothing near, `known here: "camera", "size"`
 /// (at most twelve, then their number). Empty only where there are no candidates.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);

@@ -28,7 +28,8 @@ std::string nearby_file(const std::filesystem::path& path) {
     std::error_code none;
     const auto folder = path.parent_path();
     for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, none)) {
-        if (entry.path().extension() == ".toml") names.push_back(entry.path().filename().string());
+        if (entry.path().extension() == ".toml" && entry.path().filename() != path.filename())
+            names.push_back(entry.path().filename().string());
     }
     std::ranges::sort(names);
     const std::string name = path.filename().string();

@@ -71,7 +71,8 @@ Exponent::Exponent(const Node& node) {
             term.divisor = text[at + 1] - '0', at += 2;
         terms_.push_back(term);
     }
-    if (terms_.empty()) bad();
+    constexpr std::size_t most_terms = 16;
+    if (terms_.empty() || terms_.size() > most_terms) bad();
 }
 
 int Exponent::in(const FloatFormat& f) const {
@@ -96,7 +97,7 @@ Quantity::Quantity(const Node& node, bool special) {
     for (const auto& [name, word] : words) {
         if (rest.substr(sign ? 1 : 0) != name) continue;
         if (!special && (word == Word::nan || word == Word::inf))
-            fail(node.where, "is " + std::string(name) + ", which is allowed in rays only");
+            fail(node.where, "is " + std::string(name) + ", which is allowed in rays only; write a finite number");
         word_ = word;
         negative_ = minus;
         return;

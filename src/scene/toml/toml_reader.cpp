@@ -1,6 +1,7 @@
 #include "scene/toml/toml_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -29,8 +30,8 @@ Real as_number(const Node& node, const std::string& name) {
     if (node.kind != Kind::string && node.kind != Kind::floating) wrong_type(node, name, a_number);
     const auto parsed = parse_number(node.text);
     if (const auto* fault = std::get_if<NumberFault>(&parsed)) {
-        const std::string shown = node.kind == Kind::string ? '"' + node.text + '"' : node.text;
-        fail(node.where, name + " = " + shown + ' ' + fault->why);
+        fail(node.where,
+             name + " = " + (node.kind == Kind::string ? quoted_excerpt(node.text) : node.text) + ' ' + fault->why);
     }
     return std::get<Real>(parsed);
 }
@@ -63,9 +64,13 @@ std::vector<Real> as_numbers(const Node& node, const std::string& name, std::siz
 /// Text goes to terminals, tables and pages: a character that a terminal would obey is a mistake, or worse.
 const std::string& as_text(const Node& node, const std::string& name) {
     require_kind(node, Kind::string, name, "a string");
+    unsigned char before = 0;
     for (const char c : node.text) {
         const auto byte = static_cast<unsigned char>(c);
-        if ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t') continue;
+        // U+0080 to U+009F, \xC2 in front of such a byte, begin what ESC and a letter do: U+009B is ESC [.
+        const bool of_eight_bits = before == 0xC2 && byte >= 0x80 && byte < 0xA0;
+        before = byte;
+        if (!of_eight_bits && ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t')) continue;
         fail(node.where, name + " holds the control character " + std::to_string(byte) +
                              ", which a terminal would obey; leave it out");
     }
@@ -174,13 +179,23 @@ Vec<Real> TableReader::vec3(std::string_view key) {
 }
 
 std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
-    const std::string name = string(key);
+    const Node& node = demand(key, fmt::format("one of \"{}\"", fmt::join(names, "\", \"")));
+    const std::string& name = as_text(node, path_to(key));
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) fail_at(key, "is \"" + name + "\", which is not known; " + did_you_mean(name, names));
+    if (found == names.end())
+        fail_at(key, "is " + quoted_excerpt(name) + ", which is not known; " + did_you_mean(name, names));
     return static_cast<std::size_t>(found - names.begin());
 }
 
-const Node& TableReader::node(std::string_view key) { return demand(key, "a value"); }
+void TableReader::read(std::string_view key, std::string& x) {
+    if (has(key)) x = string(key);
+}
+void TableReader::read(std::string_view key, bool& x) { x = optional_boolean(key).value_or(x); }
+void TableReader::read(std::string_view key, Vec<Real>& x) {
+    if (has(key)) x = vec3(key);
+}
+
+const Node& TableReader::node(std::string_view key, std::string_view expected) { return demand(key, expected); }
 
 TableReader TableReader::table(std::string_view key) {
     return TableReader(demand(key, "a table of that name"), path_to(key));
@@ -207,7 +222,8 @@ void TableReader::reject(std::string_view key, std::string_view why) {
 void TableReader::reject_unknown_keys() const {
     for (const Node::Entry& entry : table_->entries) {
         if (std::find(asked_for_.begin(), asked_for_.end(), entry.key) != asked_for_.end()) continue;
-        fail(entry.key_where, "unknown key " + path_to(entry.key) + "; " + did_you_mean(entry.key, asked_for_));
+        fail(entry.key_where,
+             "unknown key " + path_to(excerpt(entry.key)) + "; " + did_you_mean(entry.key, asked_for_));
     }
 }
 
@@ -220,16 +236,17 @@ void require_schema(TableReader& file, std::string_view schema) {
 
     const auto split = [](std::string_view name) {
         const std::size_t slash = std::min(name.find('/'), name.size());
-        int version = 0;
+        long long version = 0;
         if (slash < name.size()) std::from_chars(name.data() + slash + 1, name.data() + name.size(), version);
         return std::pair(name.substr(0, slash), version);
     };
     const auto [kind, version] = split(found);
     const auto [wanted_kind, newest] = split(schema);
     if (kind == wanted_kind && version > newest)
-        file.fail_at("schema",
-                     "is \"" + found + "\", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at("schema", "is \"" + found + "\", which is another kind of file than expected here; write " + expected);
+        file.fail_at("schema", "is " + quoted_excerpt(found) +
+                                   ", newer than this program reads; use a newer lostbits, or write " + expected);
+    file.fail_at("schema", "is " + quoted_excerpt(found) +
+                               ", which is another kind of file than expected here; write " + expected);
 }
 
 }  // namespace lostbits::scene::toml

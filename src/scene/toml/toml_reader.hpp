@@ -1,10 +1,12 @@
 // Typed reading of a TOML table: scenes, sweeps and claims. Every error says where, what, why and what to try.
 #pragma once
 
+#include <concepts>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -20,8 +22,8 @@ namespace lostbits::scene::toml {
 /// The tree must outlive the reader.
 class TableReader {
     template <class T, class... Args>
-    std::optional<T> optional(std::string_view key, T (TableReader::*read)(std::string_view, Args...), Args... args) {
-        return has(key) ? std::optional<T>((this->*read)(key, args...)) : std::nullopt;
+    std::optional<T> optional(std::string_view key, T (TableReader::*reader)(std::string_view, Args...), Args... args) {
+        return has(key) ? std::optional<T>((this->*reader)(key, args...)) : std::nullopt;
     }
 
 public:
@@ -72,9 +74,24 @@ public:
         return has(key) ? std::optional(one_of(key, choices)) : std::nullopt;
     }
 
+    /// Sets `x` to what stands at the key, where there is one: what a missing key stands for is said where `x` is.
+    void read(std::string_view key, std::string& x);
+    void read(std::string_view key, bool& x);
+    void read(std::string_view key, Vec<Real>& x);
+    /// A whole number in [lowest, highest].
+    template <std::integral I>
+    void read(std::string_view key, I& x, long long lowest, long long highest) {
+        if (has(key)) x = static_cast<I>(integer(key, lowest, highest));
+    }
+    template <class E>
+    void read(std::string_view key, E& x,
+              std::span<const std::pair<std::string_view, std::type_identity_t<E>>> choices) {
+        if (has(key)) x = one_of(key, choices);
+    }
+
     [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
-    /// The value as it stands, for a notation of its own.
-    const Node& node(std::string_view key);
+    /// The value as it stands, for a notation of its own; `expected` is what to write where it is missing.
+    const Node& node(std::string_view key, std::string_view expected = "a value");
 
     TableReader table(std::string_view key);
     std::optional<TableReader> optional_table(std::string_view key) { return optional(key, &TableReader::table); }

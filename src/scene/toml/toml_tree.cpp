@@ -9,6 +9,7 @@
 
 #include <toml++/toml.h>
 
+#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/files_of_run.hpp"
 #include "scene/toml/parse_number.hpp"
 
@@ -126,7 +127,7 @@ std::string Node::describe() const {
     switch (kind) {
         case Kind::table: return "a table";
         case Kind::array: return "an array of " + std::to_string(items.size());
-        case Kind::string: return "the string \"" + text + '"';
+        case Kind::string: return "the string " + quoted_excerpt(text);
         case Kind::integer: return "the integer " + std::to_string(integer);
         case Kind::floating: return "the number " + text;
         case Kind::boolean: return boolean ? "the boolean true" : "the boolean false";

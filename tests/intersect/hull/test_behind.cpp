@@ -9,6 +9,7 @@
 #include "intersect/box/box_exact.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/ways.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/truth.hpp"
@@ -18,13 +19,13 @@ namespace test_behind {
 
 using namespace lostbits;
 using intersect::hull::behind;
-using intersect::hull::find_hull;
 using intersect::table::Intersector;
 using measure::answer::ask_one;
 using measure::answer::Level;
 using measure::answer::levels_of;
 using test::Rational;
 using testing::BoxSample;
+using testing::hull_named;
 using testing::Seeded;
 using Point = std::array<Rational, 3>;
 
@@ -54,15 +55,15 @@ TEST_CASE("a row behind a box is called by all its parts, and refuses what has n
     const Intersector& row = behind(intersect::hull::usual_hull(), box, sphere);
     CHECK(row.info->name == "sphere.unified^box.signs");
     CHECK(&behind(intersect::hull::usual_hull(), box, sphere) == &row);
-    CHECK(behind(*find_hull("nearest"), box, sphere).info->name == "sphere.unified^box.signs~nearest");
+    CHECK(behind(hull_named("nearest"), box, sphere).info->name == "sphere.unified^box.signs~nearest");
     CHECK(intersect::hull::made_of(row).form == &sphere);
     CHECK(intersect::hull::made_of(row).box == &box);
     CHECK(intersect::hull::made_of(sphere).form == nullptr);
     CHECK(intersect::hull::has_box(row));
     CHECK_FALSE(intersect::hull::has_box(sphere));
 
-    const Intersector& two = behind(*find_hull("pbrt"), form("box.pbrt_padded"),
-                                    intersect::space::through(*intersect::space::find_space("pbrt"), row));
+    const Intersector& two = behind(hull_named("pbrt"), form("box.pbrt_padded"),
+                                    intersect::space::through(testing::space_named("pbrt"), row));
     CHECK(two.info->name == "sphere.unified^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(two.shapes() == Shapes(Shape::sphere).placed());
     CHECK(&intersect::hull::innermost(two) == &sphere);
@@ -70,7 +71,6 @@ TEST_CASE("a row behind a box is called by all its parts, and refuses what has n
           "sphere.schoolbook^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(&intersect::hull::around(sphere, form("sphere.schoolbook")) == &form("sphere.schoolbook"));
 
-    CHECK(find_hull("nowhere") == nullptr);
     CHECK_THROWS_AS(behind(intersect::hull::usual_hull(), sphere, sphere), InputError);
     CHECK_THROWS_AS(behind(intersect::hull::usual_hull(), behind(intersect::hull::usual_hull(), box, box), sphere),
                     InputError);
@@ -229,10 +229,10 @@ TEST_CASE("parallel to an axis only reciprocals that are not made up lose nothin
 }
 
 TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
-    const auto& plain = *intersect::space::find_space("plain");
+    const auto& plain = testing::space_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box, const char* hull) {
         const Intersector& in = behind(intersect::hull::usual_hull(), form(object_box), form(inner));
-        return &behind(*find_hull(hull), form(world_box), intersect::space::through(plain, in));
+        return &behind(hull_named(hull), form(world_box), intersect::space::through(plain, in));
     };
     const auto moved_by = [](const Solid<double>& bare, double x) {
         Solid<double> solid = bare;
@@ -247,7 +247,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
         for (int j = 0; j < 16; ++j) {
             const Solid<double> solid =
                 moved_by(stored(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, f32), 7401.1);
-            const Hull<double> box = find_hull(hull)->in(f32, solid);
+            const Hull<double> box = hull_named(hull).in(f32, solid);
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
                 if (!measure::truth::find_truth(ray, solid).is_hit()) continue;
@@ -299,7 +299,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
 
 TEST_CASE("one solid for all rays and one for each are asked alike, in every format", "[hull]") {
     Seeded r(9);
-    const Intersector& row = behind(*find_hull("nearest"), form("box.pbrt_padded"), form("sphere.unified"));
+    const Intersector& row = behind(hull_named("nearest"), form("box.pbrt_padded"), form("sphere.unified"));
     std::vector<Solid<float>> each;
     std::array<std::vector<float>, 6> x;
     for (int n = 0; n < 100; ++n) {
@@ -323,7 +323,7 @@ TEST_CASE("one solid for all rays and one for each are asked alike, in every for
         if (alone) REQUIRE(static_cast<float>(*alone) == t[i]);
         hits += hit[i];
         for (const Format& format : {f64, p9}) {
-            const Hull<double> box = find_hull("nearest")->in(format, solid);
+            const Hull<double> box = hull_named("nearest").in(format, solid);
             const bool both = ask_one(form("sphere.unified"), format, ray, solid, HUGE_VAL) &&
                               ask_one(form("box.pbrt_padded"), format, ray, Solid<double>(box), HUGE_VAL);
             REQUIRE(ask_one(row, format, ray, solid, HUGE_VAL).has_value() == both);

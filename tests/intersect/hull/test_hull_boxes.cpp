@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/box/box_exact.hpp"
-#include "intersect/hull/hulls.hpp"
+#include "intersect/ways.hpp"
 #include "measure/seeded.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/rounded.hpp"
@@ -16,10 +16,10 @@
 namespace test_hull_boxes {
 
 using namespace lostbits;
-using intersect::hull::find_hull;
 using intersect::hull::hulls;
 using intersect::hull::HullWay;
 using test::Rational;
+using testing::hull_named;
 using testing::Seeded;
 using Point = std::array<Rational, 3>;
 
@@ -105,9 +105,9 @@ TEST_CASE("the box rounded outward is the least of its format, the others are of
                 const bool placed = n % 2 == 1;
                 if (placed) solid.placed = Placement<double>{m, false, orientation_of(m)};
                 const ExactBox exact = placed ? exact_box_in_world(own, m) : own;
-                const Hull<double> least = find_hull("outward")->in(format, solid);
-                const Hull<double> near = find_hull("nearest")->in(format, solid);
-                const Hull<double> next = find_hull("next")->in(format, solid);
+                const Hull<double> least = hull_named("outward").in(format, solid);
+                const Hull<double> near = hull_named("nearest").in(format, solid);
+                const Hull<double> next = hull_named("next").in(format, solid);
                 for (int i = 0; i < 3; ++i) {
                     const auto k = static_cast<std::size_t>(i);
                     const auto up = [&](double x) { return Rational(rounding::next_up(x, format.parameters)); };
@@ -138,7 +138,7 @@ TEST_CASE("corners that are taken to the world in the format leave some of the s
         std::array<double, 12> m{};
         for (double& x : m) x = static_cast<float>(r.uniform(-2, 2));
         solid.placed = Placement<double>{m, false, orientation_of(m)};
-        const Hull<double> least = find_hull("outward")->in(f32, solid);
+        const Hull<double> least = hull_named("outward").in(f32, solid);
         for (const HullWay& way : hulls()) {
             const Hull<double> box = way.in(f32, solid);
             for (int i = 0; i < 3; ++i) {
@@ -163,7 +163,7 @@ TEST_CASE("rays that truly hit a solid truly hit its box, no later", "[hull]") {
             const Ray<double> ray{testing::stored(from, binary32), testing::stored(aim - from, binary32)};
             const auto truth = measure::truth::find_truth(ray, solid);
             if (!truth.is_hit()) continue;
-            const Hull<double> box = find_hull("outward")->in(f32, solid);
+            const Hull<double> box = hull_named("outward").in(f32, solid);
             const test::Span span = test::ray_in_box(test::exactly(ray, box, HUGE_VAL), true);
             REQUIRE_FALSE(span.is_empty());
             const Rational unit = truth.t.exponent < 0

@@ -7,6 +7,7 @@
 #include "counts.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/ways.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/truth/box_families.hpp"
 
@@ -14,9 +15,9 @@ namespace test_hull_rows {
 
 using namespace lostbits;
 using intersect::hull::behind;
-using intersect::hull::find_hull;
 using intersect::table::Intersector;
 using measure::answer::ask_one;
+using testing::hull_named;
 using testing::Seeded;
 
 namespace {
@@ -62,7 +63,7 @@ TEST_CASE("a hit is found from its margin on and not before, and only padded end
 
 TEST_CASE("the tape behind a box answers as its kernel, and its inputs have names", "[hull]") {
     Seeded r(78);
-    const auto& plain = *intersect::space::find_space("plain");
+    const auto& plain = testing::space_named("plain");
     int hits = 0, culled = 0;
     for (int n = 0; n < test::draws(2000); ++n) {
         Solid<double> solid = stored(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)});
@@ -71,9 +72,9 @@ TEST_CASE("the tape behind a box answers as its kernel, and its inputs have name
             const Vec<double> middle = placed ? solid.placed->map().point(solid.point(0)) : solid.point(0);
             const Vec<double> origin = testing::stored(r.vec(-6, 6), binary32);
             const Ray<double> ray{origin, testing::stored(Vec<double>(middle + r.vec(-2, 2) - origin), binary32)};
-            const Intersector& inner = behind(*find_hull("nearest"), form("box.signs"), form("sphere.unified"));
+            const Intersector& inner = behind(hull_named("nearest"), form("box.signs"), form("sphere.unified"));
             const Intersector& row =
-                placed ? behind(*find_hull("pbrt"), form("box.pbrt_padded"), intersect::space::through(plain, inner))
+                placed ? behind(hull_named("pbrt"), form("box.pbrt_padded"), intersect::space::through(plain, inner))
                        : inner;
             Tape tape;
             row.record(f32, ray, intersect::Target<double>(solid), HUGE_VAL, tape);

@@ -115,10 +115,8 @@ TEST_CASE("a row through a space is called by both, and asks for what both ask")
         CHECK(intersect::space::made_of(row).space == &space);
         CHECK(intersect::space::made_of(row).form == &form);
         CHECK(row.shapes() == Shapes(form.shape).placed());
-        CHECK(intersect::space::find_space(space.info->name) == &space);
         CHECK_THROWS_AS(through(space, row), InputError);
     }
-    CHECK(intersect::space::find_space("nowhere") == nullptr);
     CHECK(intersect::space::made_of(form).space == nullptr);
 }
 

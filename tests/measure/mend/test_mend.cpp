@@ -9,6 +9,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/ways.hpp"
 #include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
 #include "output/mend/form_code.hpp"
@@ -170,13 +171,13 @@ TEST_CASE("under matrices the operations that lead into the space of the solid a
         }
         MendRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.row.form;
-        request.row.form = &intersect::space::through(*intersect::space::find_space("plain"), form);
+        request.row.form = &intersect::space::through(testing::space_named("plain"), form);
         Search search(request);
         const Worth own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).worth.meets(request.wish));
         CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
-        request.row.form = &intersect::space::through(*intersect::space::find_space("relative"), form);
+        request.row.form = &intersect::space::through(testing::space_named("relative"), form);
         const Worth relative = Judge(request, scene).worth_of({recorded(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }

@@ -1,5 +1,6 @@
 // Rendered pictures of spheres under matrices: against the same spheres where their numbers say, and against the map.
 #include "intersect/space/spaced.hpp"
+#include "intersect/ways.hpp"
 #include "measure/picture/rendered.hpp"
 #include "shapes/lift.hpp"
 
@@ -24,7 +25,7 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
         }
         for (const char* space : {"plain", "relative", "adjugate"}) {
             CAPTURE(mirror, space);
-            const auto& row = intersect::space::through(*intersect::space::find_space(space), form);
+            const auto& row = intersect::space::through(testing::space_named(space), form);
             const Collected found(
                 {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
@@ -55,8 +56,8 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
     solid.placed = {{half, r / 4, zero, c.x, zero, twice, zero, c.y, r / 8, zero, r, c.z}, false, 1};
     scene.listed.resize(1);
     scene.appearance.materials.resize(1);
-    const auto& form = intersect::space::through(*intersect::space::find_space("relative"),
-                                                 *rows_of({"f64"}, "sphere.unified").front().form);
+    const auto& form =
+        intersect::space::through(testing::space_named("relative"), *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
         {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);

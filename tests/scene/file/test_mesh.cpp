@@ -1,4 +1,5 @@
 // Meshes and flakes that are made, how edges are shared, and what the tables of a scene may say of them and of a march.
+#include <algorithm>
 #include <cmath>
 
 #include "catch.hpp"
@@ -24,6 +25,25 @@ Mesh tidied(Mesh mesh) {
     scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
     return mesh;
 }
+
+/// Sides of faces that no one other face has; 0 of a closed mesh. And whether where two faces meet one runs up and one
+/// down: none of them is turned.
+struct Edges {
+    std::size_t open;
+    bool are_consistent = true;
+
+    explicit Edges(const Mesh& mesh) {
+        const auto shared = shared_edges(mesh);
+        open = 3 * mesh.faces.size() - 2 * shared.size();
+        for (const auto& [ends, faces] : shared) {
+            const auto runs_up = [&](const scene::triangle::Face& face) {
+                const auto from = static_cast<std::size_t>(std::ranges::find(face, ends[0]) - face.begin());
+                return face[(from + 1) % 3] == ends[1];
+            };
+            are_consistent = are_consistent && runs_up(mesh.faces[faces[0]]) != runs_up(mesh.faces[faces[1]]);
+        }
+    }
+};
 
 /// Six times the volume that it encloses, positive where faces are counterclockwise from outside.
 double six_volumes(const Mesh& mesh) {
@@ -58,20 +78,20 @@ double apart(const Vec<double>& a, const Vec<double>& b) { return length(a - b);
 TEST_CASE("closed meshes are closed, wound outward, and of the genus of their shape", "[mesh]") {
     for (int levels = 0; levels < 5; ++levels) {
         const Mesh mesh = tidied(scene::triangle::make_icosphere(levels, {0, 0, 0}, 1));
-        const auto topology = topology_of(mesh);
+        const Edges edges(mesh);
         CHECK(mesh.faces.size() == 20U << (2 * levels));
-        CHECK(topology.is_closed());
-        CHECK(topology.is_consistent());
+        CHECK(edges.open == 0);
+        CHECK(edges.are_consistent);
         CHECK(mesh.vertices.size() + mesh.faces.size() - 3 * mesh.faces.size() / 2 == 2);
         CHECK(six_volumes(mesh) > 6 * 2.5);  // an icosahedron in the unit sphere has 2.536
         CHECK(six_volumes(mesh) < 6 * 4.189);
         for (std::size_t f = 0; f < mesh.faces.size(); ++f) CHECK_FALSE(mesh.has_border(f));
     }
     const Mesh tube = tidied(scene::triangle::make_tube(16, 64, {0, 0, 0}, 2, 0.5));
-    const auto topology = topology_of(tube);
+    const Edges edges(tube);
     CHECK(tube.faces.size() == 2048);
-    CHECK(topology.is_closed());
-    CHECK(topology.is_consistent());
+    CHECK(edges.open == 0);
+    CHECK(edges.are_consistent);
     CHECK(tube.vertices.size() + tube.faces.size() == 3 * tube.faces.size() / 2);
     CHECK(six_volumes(tube) / 6 == Approx(2 * 9.8696 * 2 * 0.25).epsilon(0.05));  // 2π² R r²
 }
@@ -79,10 +99,10 @@ TEST_CASE("closed meshes are closed, wound outward, and of the genus of their sh
 TEST_CASE("open meshes have the border of their outline", "[mesh]") {
     const Mesh grid = tidied(scene::triangle::make_grid(5, 3, {1, 2, 3}, {2, 4, 0}, 0.5));
     CHECK(grid.faces.size() == 30);
-    CHECK(topology_of(grid).border == 16);
-    CHECK(topology_of(grid).is_consistent());
+    CHECK(Edges(grid).open == 16);
+    CHECK(Edges(grid).are_consistent);
     const Mesh fan = tidied(scene::triangle::make_fan(12, {0, 0, 0}, 1));
-    CHECK(topology_of(fan).border == 12);
+    CHECK(Edges(fan).open == 12);
     for (std::size_t f = 0; f < 12; ++f) CHECK(fan.has_border(f));
     for (const Vec<double>& v : fan.vertices) CHECK((length(v) == 0 || std::fabs(length(v) - 1) < 0x1p-50));
     double area = 0;
@@ -103,8 +123,8 @@ TEST_CASE("equal vertices become one, and faces without area are named", "[mesh]
     CHECK(mesh.faces.size() == 2);
     CHECK(mesh.left_out == 2);
     CHECK(mesh.first_left_out == "face 2");
-    CHECK(topology_of(mesh).border == 4);
-    CHECK(topology_of(mesh).is_consistent());
+    CHECK(Edges(mesh).open == 4);
+    CHECK(Edges(mesh).are_consistent);
     CHECK(mesh.share_a_vertex(0, 1));
 }
 
@@ -150,12 +170,14 @@ TEST_CASE("meshes come after the other solids, and stored numbers are those of t
 }
 
 TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
-    CHECK(has(error_of_mesh("make = \"icosfere\"\n"), "did you mean \"icosphere\""));
     CHECK(has(error_of_mesh("make = \"icosphere\"\nlevels = 10\n"), "mesh[0].levels"));
     CHECK(has(error_of_mesh("make = \"fan\"\ncount = 7\n"), "must be a multiple of 4; write 8"));
     CHECK(has(error_of_mesh("make = \"tube\"\nradius = 3\n"), "must be less than ring_radius"));
     CHECK(has(error_of_mesh("make = \"fan\"\nlevels = 3\n"), "mesh[0].levels"));
-    CHECK(has(error_of_mesh("centre = [0, 0, 0]\n"), "mesh[0].make is missing"));
+    CHECK(has(error_of_mesh("centre = [0, 0, 0]\n"),
+              "mesh[0].make is missing; give it \"icosphere\", \"grid\", "
+              "\"tube\" or \"fan\", or write file = \"name.obj\" in its "
+              "place"));
     CHECK(has(error_of_mesh("file = \"a.obj\"\n"), "mesh[0].file names "));
     CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make stands beside file"));
 }
@@ -211,7 +233,6 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
     CHECK(has(broken("levels = 1", "levels = 1.5"), "sphereflake.levels must be a whole number"));
     CHECK(broken("radius = 0.5", "radius = 0").find("scene.toml:15:10: sphereflake.radius must lie between") == 0);
     CHECK(has(broken("radius = 0.5", "axis = [0, 0, 0]"), "sphereflake.axis is not a direction"));
-    CHECK(has(broken("radius = 0.5", "radios = 0.5"), "did you mean \"radius\""));
 }
 
 TEST_CASE(
@@ -231,8 +252,6 @@ TEST_CASE(
     CHECK(has(broken("max_steps = 0"), "march.max_steps must be a whole number from 1 to 100000"));
     CHECK(has(broken("max_steps = 2.5"), "march.max_steps must be a whole number"));
     CHECK(has(broken("over_relaxation = 2"), "march.over_relaxation must lie in [1, 2)"));
-    CHECK(has(broken("hit_epsilon = 1"), "march.hit_epsilon"));
-    CHECK(replaced(text, "hit_eps = 0.01", "") != text);
 }
 
 }  // namespace test_mesh

@@ -37,10 +37,6 @@ TEST_CASE("a radius is a positive number, also in binary32 when inputs are share
     const std::string own = replaced(good_scene, "\"shared\"", "\"own\"");
     CHECK(loaded(replaced(own, "radius = 1", "radius = 1e-46")).listed[0].sphere().radius > 0);
     CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).listed[0].sphere().radius > 0);
-    CHECK(broken("radius = 1", "radius = inf")
-              .starts_with("scene.toml:15:10: sphere[0].radius = inf is not finite; write"));
-    CHECK(broken("radius = 1", "") ==
-          "scene.toml:13:1: sphere[0].radius is missing; give it a number (4100, 1e-3, \"0x1.004p+12\")");
 }
 
 TEST_CASE("every other number is finite in binary32 when inputs are shared") {
@@ -66,18 +62,12 @@ TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 0]") ==
           "scene.toml:11:6: camera.up is zero, which is not a direction; write [0, 1, 0]");
     CHECK(broken("up = [0, 1, 0]\n", "") == "no error");
-    CHECK(broken("kind = \"orthographic\"", "kind = \"orthografic\"") ==
-          "scene.toml:8:8: camera.kind is \"orthografic\", which is not known; did you mean \"orthographic\"?");
-    CHECK(broken("inputs = \"shared\"", "inputs = \"shard\"") ==
-          "scene.toml:5:10: inputs is \"shard\", which is not known; did you mean \"shared\"?");
 }
 
 TEST_CASE("a camera's window has a size of its own kind") {
     CHECK(broken("width = 2.5", "width = 0") ==
           "scene.toml:12:9: camera.width must be greater than 0; write a positive number");
     CHECK(broken("width = 2.5", "width = 1e-46").starts_with("scene.toml:12:9: camera.width becomes 0 in binary32"));
-    CHECK(broken("width = 2.5", "") ==
-          "scene.toml:7:1: camera.width is missing; give it a number (4100, 1e-3, \"0x1.004p+12\")");
     CHECK(broken("width = 2.5", "width = 2.5\nfov_deg = 40") ==
           "scene.toml:13:1: camera.fov_deg has no meaning for an orthographic camera; write width, in world units");
     CHECK(broken("width = 2.5", "width = 2.5\nnormalise = true")
@@ -89,10 +79,6 @@ TEST_CASE("a camera's window has a size of its own kind") {
     CHECK(scene_error(pinhole("fov_deg = 40\nwidth = 2")) ==
           "scene.toml:13:1: camera.width has no meaning for a pinhole camera; write fov_deg, the vertical field of "
           "view in degrees");
-    CHECK(scene_error(pinhole("fov_deg = 40\nnormalise = 1")) ==
-          "scene.toml:13:13: camera.normalise is the integer 1, but true or false is expected here");
-    CHECK(broken("width = 2.5", "width = 2.5\nshift = [1]") ==
-          "scene.toml:13:9: camera.shift is an array of 1, but an array of 2 numbers is expected here");
 }
 
 TEST_CASE("a picture has a sane size") {
@@ -100,10 +86,6 @@ TEST_CASE("a picture has a sane size") {
           "scene.toml:6:9: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
     CHECK(broken("size = [8, 4]", "size = [8, 65537]") ==
           "scene.toml:6:12: size[1] is the integer 65537, but a whole number from 1 to 65536 is expected here");
-    CHECK(broken("size = [8, 4]", "size = [8, 4.5]") ==
-          "scene.toml:6:12: size[1] is the number 4.5, but a whole number from 1 to 65536 is expected here");
-    CHECK(broken("size = [8, 4]", "size = 8") ==
-          "scene.toml:6:8: size is the integer 8, but an array of 2 whole numbers is expected here");
     CHECK(broken("size = [8, 4]", "size = [54161, 19825]") ==
           "scene.toml:6:8: size is too large: more than 2^30 pixels; make it smaller");
     CHECK(broken("size = [8, 4]", "size = [65536, 16384]") == "no error");
@@ -139,35 +121,32 @@ TEST_CASE("a triangle has an area") {
               .starts_with("scene.toml:15:9: ellipsoid[0].radii must be greater than 0"));
 }
 
-TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
-    CHECK(broken("title = \"A test\"", "") == "scene.toml:1:1: title is missing; give it a string");
-    CHECK(broken("note = \"nothing\"", "") == "no error");
+TEST_CASE("a scene has a camera and a solid, and nothing unknown") {
     CHECK(broken("schema = \"lostbits-scene/1\"", "").starts_with("scene.toml:1:1: schema is missing"));
     CHECK(broken("[camera]", "[camra]") ==
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");
     CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
-          "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] "
-          "with lo and hi, or [[triangle]] with a, b and c, or [[ellipsoid]] with centre and radii, or [[cylinder]] "
-          "with base, top and radius, or [[capsule]] with start, end and radius, or [[tube]] with bottom, top and "
-          "radius, or [[cone]] with base, top, base_radius and top_radius, or [[disc]] with centre, normal, "
-          "outer_radius and inner_radius, or [[plane]] with through and normal, or [[torus]] with centre, axis, "
-          "major_radius and minor_radius");
+          "scene.toml:1:1: the scene has no solids; write at least one [[sphere]] with centre and radius, [[box]] with "
+          "lo and hi, [[triangle]] with a, b and c, [[ellipsoid]] with centre and radii, [[cylinder]] with base, top "
+          "and radius, [[capsule]] with start, end and radius, [[tube]] with bottom, top and radius, [[cone]] with "
+          "base, top, base_radius and top_radius, [[disc]] with centre, normal, outer_radius and inner_radius, "
+          "[[plane]] with through and normal, [[torus]] with centre, axis, major_radius and minor_radius, "
+          "[sphereflake] with levels, or [[mesh]] with file or make");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
           "scene.toml:16:1: unknown key sphere[0].opacity; known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", "
           "\"centre\", \"radius\", \"transform\"");
-    CHECK(broken("centre = ", "center = ") ==
-          "scene.toml:14:1: sphere[0].centre is missing, but there is sphere[0].center; did you mean \"centre\"?");
-    CHECK(broken("up = [0, 1, 0]", "upp = [0, 1, 0]") ==
-          "scene.toml:11:1: unknown key camera.upp; did you mean \"up\"?");
+    CHECK(broken("radius = 1", "radius = 1\n" + std::string(99999, 'x') + " = 3") ==
+          "scene.toml:16:1: unknown key sphere[0]." + std::string(100, 'x') +
+              "... (99999 bytes); known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", \"centre\", \"radius\", "
+              "\"transform\"");
 }
 
 TEST_CASE("variants are named once, with names that fit into file names") {
     const auto with = [](const std::string& text) { return scene_error(good_scene + text); };
     CHECK(with("[[variant]]\nname = \"a\"\nset = {}\n") == "no error");
-    CHECK(with("[[variant]]\nset = {}\n") == "scene.toml:16:1: variant[0].name is missing; give it a string");
     CHECK(with("[[variant]]\nname = \"a\"\n") ==
           "scene.toml:16:1: variant[0].set is missing; give it a table of that name");
     CHECK(
@@ -213,7 +192,6 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
           "scene.toml:14:8: camera.projection.near must be greater than 0; write a positive number");
     CHECK(planes("near = -1").starts_with("scene.toml:14:8: camera.projection.near must be greater than 0"));
     CHECK(planes("near = 1e-46").starts_with("scene.toml:14:8: camera.projection.near becomes 0 in binary32"));
-    CHECK(has(planes("far = 3"), "near is missing"));
     for (const char* far : {"1", "0.5"})
         CHECK(planes(std::string("near = 1\nfar = ") + far) ==
               "scene.toml:15:7: camera.projection.far is not beyond near, which leaves nothing between; write a larger "
@@ -224,9 +202,6 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
         "matrix is singular; write a larger number, or inputs = \"own\"");
     CHECK(planes("near = 1e30\nfar = \"0x1.00001p100\"") == "no error");
     CHECK(has(planes("near = 3.4e38\nfar = 3.40001e38"), "overflows binary32"));
-    CHECK(has(planes("near = 1\nfar = inf"), "is not finite"));
-    CHECK(planes("near = 1\ndepth = \"backwards\"").starts_with("scene.toml:15:9: camera.projection.depth"));
-    CHECK(planes("near = 1\nfra = 2") == "scene.toml:15:1: unknown key camera.projection.fra; did you mean \"far\"?");
     CHECK(scene_error(pinhole("fov_deg = 1e-37\n[camera.projection]\nnear = 1"))
               .starts_with("scene.toml:12:11: camera.fov_deg overflows binary32"));
 }

@@ -154,30 +154,6 @@ TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and o
     CHECK(half.y1 == 1);
 }
 
-TEST_CASE("spheres are rounded once, and a radius may vanish in a narrow format") {
-    const Solid<Real> spec = Sphere<Real>{{real("0.1"), real("-100000.3"), real("1e-50")}, real("1e-8")};
-    const Sphere<double> single = round_solid(spec, binary32).sphere();
-    CHECK(single.centre.x == static_cast<double>(0.1f));
-    CHECK(single.centre.y == static_cast<double>(-100000.3f));
-    CHECK(single.centre.z == 0);
-    CHECK(single.radius == static_cast<double>(1e-8f));
-    CHECK(round_solid(spec, binary64).sphere().centre.z == 1e-50);
-    CHECK(round_solid(spec, binary16).sphere().radius == 0);
-    CHECK(std::isinf(round_solid(spec, binary16).sphere().centre.y));
-    CHECK(round_solid(Solid<double>(single), binary16).sphere().radius == 0);
-    CHECK(round_solid(Solid<double>(single), binary64).sphere().radius == single.radius);
-}
-
-TEST_CASE("an input sphere follows the scene's inputs and the format") {
-    const std::string text = replaced(good_scene, "radius = 1", "radius = 0.1");
-    const Scene shared = loaded(text);
-    const Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
-    CHECK(input_solid(shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
-    CHECK(input_solid(own, 0, binary64).sphere().radius == 0.1);
-    CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
-    CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
-}
-
 TEST_CASE("a list with a flake as columns holds the numbers of the solids one by one") {
     for (const char* inputs : {"shared", "own"}) {
         const file::Scene scene = flake_scene(inputs);

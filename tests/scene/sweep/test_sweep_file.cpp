@@ -43,6 +43,15 @@ TEST_CASE("steps over every float are each a value of its own: both zeros are on
     CHECK(below.values == std::vector<double>{-0x1.000004p0, -0x1.000002p0, -1});
 }
 
+TEST_CASE("an axis of powers of two begins and ends above 0") {
+    for (const char* from : {"0", "-1"}) {
+        std::string axis = replaced(radius_axis, "linear", "log2") + "name = \"x\"\n";
+        axis = replaced(axis, "from = 1", std::string("from = ") + from);
+        CHECK(error_as<SweepFile>("s.toml", sweep_head + "scene = \"near-benign\"\n" + axis, LOSTBITS_DATA_DIR)
+                  .starts_with("s.toml:7:8: axis[0].from and to must be positive"));
+    }
+}
+
 TEST_CASE("half way between two floats, in floats, lies between them until nothing does") {
     const SweepFile sweep = along("1", "0x1.00001p0");
     const Axis& axis = sweep.axes.front();

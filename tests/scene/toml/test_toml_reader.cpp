@@ -81,51 +81,13 @@ TEST_CASE("the schema is the first thing to agree on") {
     CHECK(schema_error("# c\nschema = \"lostbits-scene/2\"") ==
           "t.toml:2:10: schema is \"lostbits-scene/2\", newer than this program reads; use a newer lostbits, or write "
           "schema = \"lostbits-scene/1\"");
+    CHECK(has(schema_error("schema = \"lostbits-scene/99999999999\""), "newer than this program"));
     CHECK(
         schema_error("schema = \"lostbits-sweep/1\"") ==
         "t.toml:1:10: schema is \"lostbits-sweep/1\", which is another kind of file than expected here; write schema = "
         "\"lostbits-scene/1\"");
     CHECK(has(schema_error("schema = \"\""), "another kind of file"));
     CHECK(schema_error("schema = 1") == "t.toml:1:10: schema is the integer 1, but a string is expected here");
-}
-
-TEST_CASE("values of each type are read") {
-    const Text text(
-        "s = \"word\"\ni = -7\nb = true\nn = [1, 2.5, \"0x1p3\"]\nw = [\"a\", \"b\"]\nf = \"pear\"\n[t]\nx = "
-        "1\n[[a]]\nx = 2\n[[a]]\nx = 3\n");
-    TableReader table = text.reader();
-    CHECK(table.string("s") == "word");
-    CHECK(table.optional_string("s") == "word");
-    CHECK(table.integer("i", -10, 10) == -7);
-    CHECK(table.optional_integer("i", -10, 10) == -7);
-    CHECK(table.number("i") == -7);
-    CHECK(table.optional_boolean("b") == true);
-    CHECK(table.numbers("n") == std::vector<Real>{Real(1), Real(2.5), Real(8)});
-    CHECK(table.vec3("n").y == Real(2.5));
-    CHECK(table.strings("w") == std::vector<std::string>{"a", "b"});
-    CHECK(table.one_of<Fruit>("f", fruit) == Fruit::pear);
-    CHECK(table.table("t").number("x") == 1);
-    std::vector<TableReader> tables = table.tables("a");
-    REQUIRE(tables.size() == 2);
-    CHECK(tables[1].number("x") == 3);
-    CHECK(tables[1].path_to("x") == "a[1].x");
-    CHECK_NOTHROW(table.reject_unknown_keys());
-}
-
-TEST_CASE("an optional key may be missing") {
-    const Text text("");
-    TableReader table = text.reader();
-    CHECK_FALSE(table.optional_string("s"));
-    CHECK_FALSE(table.optional_strings("s"));
-    CHECK_FALSE(table.optional_integer("i", 0, 1));
-    CHECK_FALSE(table.optional_integers("i", 2, 0, 1));
-    CHECK_FALSE(table.optional_boolean("b"));
-    CHECK_FALSE(table.optional_number("n"));
-    CHECK_FALSE(table.optional_numbers("n"));
-    CHECK_FALSE(table.optional_vec3("v"));
-    CHECK_FALSE(table.optional_table("t"));
-    CHECK_FALSE(table.optional_one_of<Fruit>("f", fruit));
-    CHECK(table.tables("a").empty());
 }
 
 TEST_CASE("a float is read from its digits, wherever it stands") {
@@ -150,35 +112,24 @@ TEST_CASE("a value of the wrong type says what was found and what is expected") 
     const std::string a_number = R"(, but a number (4100, 1e-3, "0x1.004p+12") is expected here)";
     CHECK(number("c") == "t.toml:3:5: c is the boolean true" + a_number);
     CHECK(number("e") == "t.toml:5:5: e is a date or time" + a_number);
-    CHECK(number("f") == "t.toml:6:5: f is an array of 2" + a_number);
     CHECK(number("t") == "t.toml:14:1: t is a table" + a_number);
     const std::string advice =
         R"(; write a decimal such as 4100 or "1e-3", or a hexadecimal float such as "0x1.004p+12")";
     CHECK(number("b") == "t.toml:2:5: b = \"x\" is not a number" + advice);
     CHECK(number("h") == "t.toml:8:5: h = inf is not finite" + advice);
     CHECK(number("i") == "t.toml:9:5: i = \"nan\" is not finite" + advice);
-    CHECK(number("m") == "t.toml:12:5: m = -nan is not finite" + advice);
     CHECK(number("j") ==
           "t.toml:10:5: j = \"1e400\" is larger than the largest binary64, about 1.8e308; write a smaller number");
     CHECK(vec3("d") == "t.toml:4:11: d[1] = \"x\" is not a number" + advice);
     CHECK(vec3("n") == "t.toml:13:9: n[1] is an array of 1" + a_number);
     CHECK(vec3("f") == "t.toml:6:5: f is an array of 2, but an array of 3 numbers is expected here");
-    CHECK(vec3("a") == "t.toml:1:5: a is the integer 1, but an array of 3 numbers is expected here");
     CHECK(text.error([](TableReader& t) { t.numbers("g"); }) ==
           "t.toml:7:5: g is an array of 0, but an array of numbers is expected here");
     CHECK(integer("k") == "t.toml:11:5: k is the number 2.5, but a whole number from 0 to 5 is expected here");
     CHECK(text.error([](TableReader& t) { t.integer("a", 2, 5); }) ==
           "t.toml:1:5: a is the integer 1, but a whole number from 2 to 5 is expected here");
-    CHECK(text.error([](TableReader& t) { t.optional_integers("d", 3, 0, 9); })
-              .starts_with("t.toml:4:11: d[1] is the string \"x\", but a whole number"));
-    CHECK(text.error([](TableReader& t) { t.string("a"); }) ==
-          "t.toml:1:5: a is the integer 1, but a string is expected here");
     CHECK(text.error([](TableReader& t) { t.strings("d"); }) ==
           "t.toml:4:8: d[0] is the integer 1, but a string is expected here");
-    CHECK(text.error([](TableReader& t) { t.optional_boolean("b"); }) ==
-          "t.toml:2:5: b is the string \"x\", but true or false is expected here");
-    CHECK(text.error([](TableReader& t) { t.table("a"); }) ==
-          "t.toml:1:5: a is the integer 1, but a table is expected here");
     CHECK(text.error([](TableReader& t) { t.tables("t"); }) ==
           "t.toml:14:1: t is a table, but an array of tables, [[t]], is expected here");
     CHECK(text.error([](TableReader& t) { t.tables("f"); }) ==

@@ -14,7 +14,6 @@ namespace {
 /// Its lower end first, and the face that it is of.
 struct Edge {
     std::uint32_t low, high, face;
-    bool runs_up;
 };
 
 std::vector<Edge> sorted_edges(const Mesh& mesh) {
@@ -23,7 +22,7 @@ std::vector<Edge> sorted_edges(const Mesh& mesh) {
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
-            edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f), from < to});
+            edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f)});
         }
     }
     std::ranges::sort(edges, {}, [](const Edge& e) { return std::pair(e.low, e.high); });
@@ -83,16 +82,6 @@ void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place) {
     for_each_edge(mesh, [&](std::span<const Edge> of) {
         if (of.size() == 1) mesh.borders[of.front().face] = true;
     });
-}
-
-Topology topology_of(const Mesh& mesh) {
-    Topology found;
-    for_each_edge(mesh, [&](std::span<const Edge> of) {
-        found.border += static_cast<std::size_t>(of.size() == 1);
-        found.over_shared += static_cast<std::size_t>(of.size() > 2);
-        found.turned += static_cast<std::size_t>(of.size() == 2 && of[0].runs_up == of[1].runs_up);
-    });
-    return found;
 }
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {

@@ -50,17 +50,6 @@ struct Mesh {
 /// it is given.
 void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place);
 
-/// How the edges of a mesh are shared.
-struct Topology {
-    std::size_t border = 0;       ///< edges of one face
-    std::size_t over_shared = 0;  ///< edges of more than two
-    std::size_t turned = 0;       ///< edges that two faces run along in the same direction: one of them is turned
-    [[nodiscard]] bool is_closed() const { return border == 0 && over_shared == 0; }
-    [[nodiscard]] bool is_consistent() const { return turned == 0; }
-};
-/// O(n log n) for n faces.
-Topology topology_of(const Mesh& mesh);
-
 /// An edge of two faces.
 struct SharedEdge {
     std::array<std::uint32_t, 2> ends;   ///< places among the vertices

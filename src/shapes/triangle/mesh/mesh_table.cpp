@@ -81,6 +81,7 @@ Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& fold
                                       "of the scene");
         mesh = read_mesh_file(path);
     } else {
+        table.node("make", R"("icosphere", "grid", "tube" or "fan", or write file = "name.obj" in its place)");
         mesh = MeshTable(table).make();
         tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
     }
