@@ -74,8 +74,7 @@ std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convent
     const auto range = range_over<Dual<E, N>, E>(of_ray);
     const auto span = span_of<Of>(problem.ray, problem.solid);
     using Span = std::remove_const_t<decltype(span)>;
-    const auto found =
-        enclose<Dual<E, N>>(span, range ? &*range : nullptr, asked_of_span<Dual<E, N>, Span>(convention));
+    const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, asked_of_span<Span>(convention));
     if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!found.hit.is_yes()) return std::nullopt;
     const bool at_double_root = std::same_as<Span, QuarticSpan<Dual<E, N>>> && found.touching;
