@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <concepts>
 #include <cstdint>
 #include <optional>
 
@@ -35,6 +34,7 @@ struct Enclosed {
     /// The ray begins on the surface: that is a root, and whether it counts is a matter of convention.
     bool on_surface = false;
     Crossing at = Crossing::begin;
+    bool at_double_root = false;  ///< of a quartic: t has no derivative
 };
 
 /// Where a ray begins: at t = 0, or where its range says.

@@ -280,11 +280,11 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
         const E f = s.f.at(x);
         const auto steep = met.roots.f.slope().at(x.value());
         typename E::Gradient gradient;
-        for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] = -f.derivative(i) / steep;
+        for (const auto& slope : f.gradient()) gradient.push_back(-slope / steep);
         x = E(x.value(), gradient);
     }
     const E t = s.time(x);
-    return {Tri::yes, t, t * sqrt(s.d2), met.touching, met.on_surface, met.at};
+    return {Tri::yes, t, t * sqrt(s.d2), met.touching, met.on_surface, met.at, !met.roots[met.root].crosses};
 }
 
 /// x = u + v √d, and sums and products of such numbers: a distance m lies at x = b + a m/√d2, d2 times which is one.
