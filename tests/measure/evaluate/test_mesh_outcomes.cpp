@@ -27,16 +27,15 @@ public:
     explicit Meetings(const scene::file::Scene& scene) {
         const measure::truth::Band band(scene, 0, scene.height);
         const std::size_t triangles = scene::rays::SolidList(scene::rays::shared_solids(scene)).size();
-        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) {
-            std::vector<Met>& all = met_[word];
-            all.resize(band.pixels());
-            intersect::process::in_parallel(std::size_t{0}, all.size(), [&](std::size_t i) {
-                for (std::size_t s = 0; s < triangles; ++s) {
-                    const Truth truth = band.truth_of_solid(i, s, word);
-                    if (truth.is_hit()) all[i].emplace(s, truth);
-                }
-            });
-        }
+        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
+        intersect::process::in_parallel(std::size_t{0}, band.pixels(), [&](std::size_t i) {
+            for (std::size_t s = 0; s < triangles; ++s) {
+                const Truth closed = band.truth_of_solid(i, s, AtOrigin::hit);
+                const Truth ahead = closed.on_surface ? band.truth_of_solid(i, s, AtOrigin::miss) : closed;
+                if (closed.is_hit()) met_.at(AtOrigin::hit)[i].emplace(s, closed);
+                if (ahead.is_hit()) met_.at(AtOrigin::miss)[i].emplace(s, ahead);
+            }
+        });
     }
     [[nodiscard]] const Met& of(std::size_t ray, AtOrigin word) const { return met_.at(word)[ray]; }
 
