@@ -284,7 +284,13 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
         x = E(x.value(), gradient);
     }
     const E t = s.time(x);
-    return {Tri::yes, t, t * sqrt(s.d2), met.touching, met.on_surface, met.at, !met.roots[met.root].crosses};
+    return {.hit = Tri::yes,
+            .t = t,
+            .distance = t * sqrt(s.d2),
+            .touching = met.touching,
+            .on_surface = met.on_surface,
+            .at = met.at,
+            .at_double_root = !met.roots[met.root].crosses};
 }
 
 /// x = u + v √d, and sums and products of such numbers: a distance m lies at x = b + a m/√d2, d2 times which is one.
