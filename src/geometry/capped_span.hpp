@@ -26,6 +26,8 @@ struct CappedSpan {
     mask_t<T> open;
     T d2;  ///< d·d
 
+    static constexpr bool is_met_behind_touch = false;
+
     /// Whether some point of the line lies in the closed and in the open solid: at a plane, or where P has its least.
     [[nodiscard]] mask_t<T> is_met() const {
         const T zero(0);

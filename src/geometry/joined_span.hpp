@@ -14,6 +14,8 @@ struct JoinedSpan {
     QuadraticSpan<T> enter, leave;
     T d2;  ///< d·d
 
+    static constexpr bool is_met_behind_touch = false;
+
     /// Whether some point of the line lies in the closed and in the open solid.
     [[nodiscard]] mask_t<T> is_met() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }

@@ -16,6 +16,8 @@ struct QuarticSpan {
     T a, b, bound;
     T d2;  ///< d·d
 
+    static constexpr bool is_met_behind_touch = true;
+
     /// x at t = n/m, m > 0.
     [[nodiscard]] T place(const T& t) const { return a * t + b; }
     [[nodiscard]] T time(const T& x) const { return (x - b) / a; }

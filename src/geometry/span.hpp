@@ -29,6 +29,9 @@ template <class T>
 struct QuadraticSpan {
     T h, c, a, q;
     T d2;  ///< d·d
+
+    /// Whether a ray that only touches it may meet it behind that. Every span says so of itself.
+    static constexpr bool is_met_behind_touch = false;
 };
 
 /// a b against c d. Numbers that know a shorter way have their own.
@@ -66,6 +69,8 @@ struct SlabSpan {
     mask_t<T> closed;  ///< o lies in each slab that the line does not cross
     mask_t<T> open;    ///< o lies in the open one, and no slab is without thickness
     T d2;              ///< d·d
+
+    static constexpr bool is_met_behind_touch = false;
 };
 
 /// A range as spans are held against it: its end is 1/0 where it has none.

@@ -17,6 +17,7 @@ struct WallSpan {
     T d2;  ///< d·d
 
     static constexpr int crossings = 2;
+    static constexpr bool is_met_behind_touch = true;
 
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {
         const T zero(0);

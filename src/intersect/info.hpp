@@ -21,9 +21,11 @@ enum class Roots {
     none,        ///< says only whether it hits: its t is NaN, and no error of it exists
 };
 
-/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words. Of a box: whether
-/// the form means the closed box (a ray through a corner or along a face is a hit) or the open one (it is a miss, and a
-/// box of zero thickness is never hit).
+/// Where a ray that touches in one point (discriminant exactly zero) belongs by the form's own words: whether it means
+/// the closed solid or the open one, its inside, of which a ray that ends where it enters meets nothing either. Of a
+/// box: a ray through a corner or along a face is a hit or a miss, and where it is that a box of zero thickness is
+/// never hit. Of what has no inside: whether its rim belongs to it; a ray may end on it. Whether a ray may begin on a
+/// surface that has one is said by `AtOrigin`.
 enum class Touching { hit, miss };
 
 /// Whether a surface exactly at the ray's origin (t = 0) counts as its first intersection. A march samples the field at

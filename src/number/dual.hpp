@@ -2,53 +2,59 @@
 // differentiation: the same formula, the chain rule applied to each operation.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
+
+#include <boost/container/static_vector.hpp>
 
 #include "number/concept.hpp"
 #include "number/tri.hpp"
 
 namespace lostbits {
 
-/// x and ∂x/∂(input i), i < N, in the arithmetic F. Decisions are those of the value; `select` takes the side of the
-/// value, so at a kink the gradient is one-sided. √ has no derivative at zero: division by zero says so in F's words.
+/// x and ∂x/∂(input i) in the arithmetic F. How many inputs there are is said with each of them, and there is room for
+/// N, so that one type does for problems of many sizes; a constant has no gradient, which is one of zeros. Decisions
+/// are those of the value; `select` takes the side of the value, so at a kink the gradient is one-sided. √ has no
+/// derivative at zero: division by zero says so in F's words.
 template <class F, std::size_t N>
 class Dual {
 public:
-    using Gradient = std::array<F, N>;
+    using Gradient = boost::container::static_vector<F, N>;
 
     Dual() : Dual(0) {}
-    explicit Dual(int x) : value_(F(x)), gradient_(constant()) {}
-    explicit Dual(const F& x) requires(!std::same_as<F, int>) : value_(x), gradient_(constant()) {}
+    explicit Dual(int x) : value_(F(x)) {}
+    explicit Dual(const F& x) requires(!std::same_as<F, int>) : value_(x) {}
     Dual(const F& x, const Gradient& gradient) : value_(x), gradient_(gradient) {}
 
-    /// Input number i with this value: ∂x/∂(input i) = 1.
-    static Dual input(const F& x, std::size_t i) {
+    /// Input number i of so many with this value: ∂x/∂(input i) = 1.
+    static Dual input(const F& x, std::size_t i, std::size_t inputs = N) {
         Dual d(x);
-        d.gradient_[i] = F(1);
+        for (std::size_t k = 0; k < inputs; ++k) d.gradient_.push_back(F(k == i ? 1 : 0));
         return d;
     }
 
     [[nodiscard]] const F& value() const { return value_; }
-    [[nodiscard]] const F& derivative(std::size_t i) const { return gradient_[i]; }
+    /// Of each input, or nothing: of a constant.
+    [[nodiscard]] const Gradient& gradient() const { return gradient_; }
+    [[nodiscard]] F derivative(std::size_t i) const { return i < gradient_.size() ? gradient_[i] : F(0); }
 
     friend Dual operator+(const Dual& a, const Dual& b) {
-        return with(a.value_ + b.value_, [&](std::size_t i) { return a.gradient_[i] + b.gradient_[i]; });
+        return of_two(a.value_ + b.value_, a, b, [](const F& da, const F& db) { return da + db; });
     }
     friend Dual operator-(const Dual& a, const Dual& b) {
-        return with(a.value_ - b.value_, [&](std::size_t i) { return a.gradient_[i] - b.gradient_[i]; });
+        return of_two(a.value_ - b.value_, a, b, [](const F& da, const F& db) { return da - db; });
     }
     friend Dual operator*(const Dual& a, const Dual& b) {
-        return with(a.value_ * b.value_,
-                    [&](std::size_t i) { return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i]; });
+        return of_two(a.value_ * b.value_, a, b,
+                      [&](const F& da, const F& db) { return da * b.value_ + a.value_ * db; });
     }
     /// (a/b)' = (a' − (a/b) b')/b
     friend Dual operator/(const Dual& a, const Dual& b) {
         const F q = a.value_ / b.value_;
-        return with(q, [&](std::size_t i) { return (a.gradient_[i] - q * b.gradient_[i]) / b.value_; });
+        return of_two(q, a, b, [&](const F& da, const F& db) { return (da - q * db) / b.value_; });
     }
     friend Dual operator-(const Dual& a) {
-        return with(-a.value_, [&](std::size_t i) { return -a.gradient_[i]; });
+        return of_one(-a.value_, a, [](const F& da) { return -da; });
     }
     Dual& operator+=(const Dual& b) { return *this = *this + b; }
     Dual& operator-=(const Dual& b) { return *this = *this - b; }
@@ -62,49 +68,50 @@ public:
     /// (√a)' = a'/(2√a)
     friend Dual sqrt(const Dual& a) {
         const F root = sqrt(a.value_);
-        return with(root, [&](std::size_t i) { return a.gradient_[i] / (root + root); });
+        return of_one(root, a, [&](const F& da) { return da / (root + root); });
     }
     friend Dual fma(const Dual& a, const Dual& b, const Dual& c) {
-        return with(fma(a.value_, b.value_, c.value_), [&](std::size_t i) {
-            return a.gradient_[i] * b.value_ + a.value_ * b.gradient_[i] + c.gradient_[i];
-        });
+        const Dual p = of_two(a.value_, a, b, [&](const F& da, const F& db) { return da * b.value_ + a.value_ * db; });
+        return of_two(fma(a.value_, b.value_, c.value_), p, c, [](const F& dp, const F& dc) { return dp + dc; });
     }
     friend Dual square(const Dual& a) {
-        return with(square(a.value_),
-                    [&](std::size_t i) { return a.gradient_[i] * a.value_ + a.value_ * a.gradient_[i]; });
+        return of_one(square(a.value_), a, [&](const F& da) { return da * a.value_ + a.value_ * da; });
     }
     friend Dual fma_square(const Dual& a, const Dual& c) {
-        return with(fma_square(a.value_, c.value_), [&](std::size_t i) {
-            return a.gradient_[i] * a.value_ + a.value_ * a.gradient_[i] + c.gradient_[i];
-        });
+        return of_two(fma_square(a.value_, c.value_), a, c,
+                      [&](const F& da, const F& dc) { return da * a.value_ + a.value_ * da + dc; });
     }
     friend Dual abs(const Dual& a) {
         const auto negative = a.value_ < F(0);
-        return with(abs(a.value_), [&](std::size_t i) { return select(negative, -a.gradient_[i], a.gradient_[i]); });
+        return of_one(abs(a.value_), a, [&](const F& da) { return select(negative, -da, da); });
     }
     /// |a| with the sign of b; b's own derivative plays no part but at its zero.
     friend Dual copysign(const Dual& a, const Dual& b) {
         const F result = copysign(a.value_, b.value_);
         const auto same = (a.value_ < F(0) && result < F(0)) || (!(a.value_ < F(0)) && !(result < F(0)));
-        return with(result, [&](std::size_t i) { return select(same, a.gradient_[i], -a.gradient_[i]); });
+        return of_one(result, a, [&](const F& da) { return select(same, da, -da); });
     }
     friend Dual next_up(const Dual& a) { return {next_up(a.value_), a.gradient_}; }
     friend Dual next_down(const Dual& a) { return {next_down(a.value_), a.gradient_}; }
     friend Dual select(const mask_t<F>& mask, const Dual& a, const Dual& b) {
-        return with(select(mask, a.value_, b.value_),
-                    [&](std::size_t i) { return select(mask, a.gradient_[i], b.gradient_[i]); });
+        return of_two(select(mask, a.value_, b.value_), a, b,
+                      [&](const F& da, const F& db) { return select(mask, da, db); });
     }
 
 private:
-    template <std::size_t... I>
-    static Gradient constant(std::index_sequence<I...>) {
-        return {((void)I, F(0))...};
-    }
-    static Gradient constant() { return constant(std::make_index_sequence<N>{}); }
     template <class Rule>
-    static Dual with(const F& value, const Rule& rule) {
+    static Dual of_one(const F& value, const Dual& a, const Rule& rule) {
         Dual d(value);
-        for (std::size_t i = 0; i < N; ++i) d.gradient_[i] = rule(i);
+        for (const F& da : a.gradient_) d.gradient_.push_back(rule(da));
+        return d;
+    }
+    template <class Rule>
+    static Dual of_two(const F& value, const Dual& a, const Dual& b, const Rule& rule) {
+        Dual d(value);
+        const F zero(0);
+        const std::size_t of_a = a.gradient_.size(), of_b = b.gradient_.size(), inputs = std::max(of_a, of_b);
+        for (std::size_t i = 0; i < inputs; ++i)
+            d.gradient_.push_back(rule(i < of_a ? a.gradient_[i] : zero, i < of_b ? b.gradient_[i] : zero));
         return d;
     }
 

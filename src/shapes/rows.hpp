@@ -80,6 +80,7 @@ struct ShapeRow {
     bool usually_unit = false;  ///< most code that meets it takes directions of length one
     bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
     bool flat = false;          ///< a surface with a normal: it is met from its front or its back
+    bool surface = false;       ///< it has no inside: there are places where a line crosses it
     bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
     bool shaded = false;        ///< pictures are made of it: it has a normal for them
     ShapeWords words = {};
@@ -102,6 +103,7 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
              .usually_unit = One::usually_unit,
              .round = One::round,
              .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
+             .surface = SurfaceSpan<decltype(std::declval<One>().span(Ray<float>{})), float>,
              .edges = One::edges,
              .shaded = requires(const One& one, const Vec<float>& p){one.shading_normal(p); },
              .words = One::words
@@ -135,6 +137,7 @@ inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(s
 
 inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
 inline constexpr bool is_flat(Shape shape) { return is_solid(shape) && row_of(shape).flat; }
+inline constexpr bool has_inside(Shape shape) { return is_solid(shape) && !row_of(shape).surface; }
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};

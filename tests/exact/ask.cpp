@@ -84,8 +84,7 @@ struct Columns {
 template <class S>
 void decide_columns(Shape shape, const truth::ColumnTerms& terms, std::span<const Problem> problems,
                     std::vector<std::uint8_t>& hits) {
-    Columns<S> given(shape, problems);
-    given.columns.tmin = given.columns.tmax = {};
+    const Columns<S> given(shape, problems);
     thread_local truth::TruthColumns found;
     truth::find_truth_columns(given.columns, terms, found);
     hits.clear();

@@ -14,13 +14,16 @@ constexpr bool is_met_inside(const Info& info, Shape shape) {
 /// roots has the first that lies in the range, which may be the far one; of a form that tells one root that one counts
 /// or none does, as in a renderer that asks so. A form of solids that tells near and far is met where the range and
 /// [near, far] both begin, if they have a t in common: as slabs that start with tmin in place of 0 have it. Told the
-/// end of a ray a form has looked at that itself, but for an end that is open. What tells no t answers for the whole
-/// ray, and a hit at NaN stays one, to be shown as that. What is told the range itself answers for it: a t beyond is
-/// its mistake, and is shown as one.
+/// end of a ray a form has looked at that itself, but for an end that is open. By the word of a form to which a touch
+/// is a miss so is an entry where the ray ends; one that tells the first root alone does not say whether it is an
+/// entry. What tells no t answers for the whole ray, and a hit at NaN stays one, to be shown as that. What is told the
+/// range itself answers for it: a t beyond is its mistake, and is shown as one.
 template <class S>
 void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
     if (!rays.have_ranges() || info.roots == Roots::none || info.ranged) return;
     const bool both = info.roots == Roots::both, solid = is_met_inside(info, shape);
+    const bool near_alone = info.roots == Roots::near_only;
+    const bool open_inside = info.touching == Touching::miss && has_inside(shape);
     const bool looks_at_end = told_end(shape) && !rays.open.tmax;
     if (looks_at_end && rays.tmin.empty() && !rays.open.tmin) return;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -39,7 +42,8 @@ void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const
             in = both && (solid ? far > range.tmin || joins : !range.is_before(far));
             t = solid ? range.tmin : far;
         }
-        hits.hit[i] = in && !range.is_after(t);
+        const bool ends_at_entry = hits.near[i] == range.tmax && (both ? hits.near[i] < far : near_alone);
+        hits.hit[i] = in && !range.is_after(t) && !(ends_at_entry && open_inside);
     }
 }
 

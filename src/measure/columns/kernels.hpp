@@ -7,7 +7,6 @@
 #include "measure/bits/log2.hpp"
 #include "measure/columns/raw_columns.hpp"
 #include "measure/columns/residual.hpp"
-#include "measure/stages/binary32.hpp"
 #include "measure/stages/problem.hpp"
 #include "number/pack.hpp"
 

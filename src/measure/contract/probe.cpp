@@ -219,9 +219,13 @@ void try_range(Trial& trial) {
                "a range that begins at the first root has it",
                "a range that begins at the first root, t = " + text_of(near) +
                    ", does not have it; both ends of a range belong to it, start <= t <= end");
-    trial.hold(within(0, near).hit == 1, "a range that ends at the first root has it",
-               "a range that ends at the first root, t = " + text_of(near) +
-                   ", does not have it; both ends of a range belong to it, start <= t <= end");
+    const std::string at_end = "a range that ends at the first root, t = " + text_of(near) + ", ";
+    if (trial.contract.touching == intersect::Touching::miss && has_inside(trial.shape))
+        trial.hold(within(0, near).hit == 0, "a range that ends at the first root touches, which is a miss",
+                   at_end + "hits; where touching is a miss the inside alone is met, which such a ray does not reach");
+    else
+        trial.hold(within(0, near).hit == 1, "a range that ends at the first root has it",
+                   at_end + "does not have it; both ends of a range belong to it, start <= t <= end");
     trial.hold(within(far + 1, infinity).hit == 0, "a range that begins behind the solid has none of it",
                "a range that begins behind the solid, where t = " + text_of(far + 1) +
                    ", hits; `starts` says where each ray begins");
@@ -295,7 +299,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     if (trial.tells_t) trial.probe("t", try_t);
     trial.probe("direction", try_direction);
     if (both) trial.probe("far", try_far);
-    if (has_inside(trial.shape)) trial.probe("inside", try_inside);
+    if (is_crossed_twice(trial.shape)) trial.probe("inside", try_inside);
     trial.probe("behind", try_behind);
     trial.probe("aside", try_aside);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);

@@ -179,7 +179,7 @@ void try_touching(Trial& trial) {
 
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;
-    const bool leaves = has_inside(trial.shape) && c.inside != Inside::miss && c.roots != Roots::near_only;
+    const bool leaves = is_crossed_twice(trial.shape) && c.inside != Inside::miss && c.roots != Roots::near_only;
     const Reply in = trial.ask(along(trial.shape, -2, 1)), out = trial.ask(along(trial.shape, -2, -1));
     if (c.roots == Roots::both) {  // the table takes the one that counts
         if (in.hit != 1) trial.broken("a ray that starts on the surface and goes in misses");

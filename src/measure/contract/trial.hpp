@@ -119,8 +119,8 @@ inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
-/// Not of a surface without thickness.
-inline bool has_inside(Shape shape) {
+/// Not what is flat; a tube is, which has no inside.
+inline bool is_crossed_twice(Shape shape) {
     const auto ends = ends_of(along(shape, 1, 1), shape);
     return ends && ends->near < ends->far;
 }

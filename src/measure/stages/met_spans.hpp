@@ -41,6 +41,13 @@ E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mas
     return root.n / root.m;
 }
 
+/// Whether an entry that stands so to the end of a range is in it, of the closed and the open solid alike: where the
+/// ray ends at it, it touches.
+template <class Mask, class T>
+Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
+    return {to_end.less.yes(), in_time(to_end, range).no()};
+}
+
 /// As `truth::enclose` has it for the usual convention.
 template <class W>
 Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s) {
@@ -64,7 +71,7 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
-    const auto near_in = in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
+    const auto near_in = entry_in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
     const auto far = inside.yes() && far_in.yes();
     const auto near = outside.yes() && (begin.slope < zero).yes() && near_in.yes();
     const auto hit = (s.q > zero).yes() && (near || far);
@@ -284,7 +291,8 @@ template <class W, template <class> class Span>
 requires ToldSpan<Span<Running<W>>, Running<W>> Met<Running<W>> first_met(const Span<Running<W>>& s,
                                                                           const RangeOfSpan<Running<W>>& range) {
     return first_met_from<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
-                                      in_time(s.enters_to(range.end), range), in_time(s.leaves_to(range.end), range));
+                                      entry_in_time(s.enters_to(range.end), range),
+                                      in_time(s.leaves_to(range.end), range));
 }
 
 /// Of a surface of degree four, as `truth::enclose` has it for the usual convention: the first root ahead is an entry

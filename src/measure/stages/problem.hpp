@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "measure/stages/raw_stages.hpp"
+#include "number/pack.hpp"
 #include "number/wide/multiple.hpp"
 #include "number/wide/two_words.hpp"
 
@@ -74,5 +75,20 @@ mask_t<P> in_one_binade(const TwoWords<P>& x, const P& bound) {
     const P power = binade(x.hi);
     return power < abs(x.hi) || abs(x.lo) > bound;
 }
+
+/// The float nearest to x.
+template <class Width>
+Pack<double, Width> nearest_binary32(const Pack<double, Width>& x) {
+    using P = Pack<double, Width>;
+    if constexpr (has_pack_registers) {
+        return P(typename P::Register(pack_rounded(x.registers())));
+    } else {
+        double lanes[P::lanes];
+        x.store(lanes);
+        for (double& lane : lanes) lane = static_cast<double>(static_cast<float>(lane));
+        return P::load(lanes);
+    }
+}
+inline double nearest_binary32(double x) { return static_cast<double>(static_cast<float>(x)); }
 
 }  // namespace lostbits::measure::stages

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "measure/stages/binary32.hpp"
 #include "measure/stages/problem.hpp"
 #include "measure/stages/raw_stages.hpp"
 #include "measure/stages/span_stages.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -35,13 +34,16 @@ struct Given {
     }
 };
 
-/// Each of its numbers, of which there are at most N, as an input of its own.
-template <class E, std::size_t N>
+/// With room for any solid: a width for each shape would be compiled for each.
+template <class E>
+using Sensitive = Dual<E, 6 + most_stored>;
+
+/// Each of its numbers as an input of its own.
+template <class E>
 struct Problem {
-    using Sensitive = Dual<E, N>;
     std::vector<E> x;
-    Ray<Sensitive> ray;
-    Solid<Sensitive> solid;
+    Ray<Sensitive<E>> ray;
+    Solid<Sensitive<E>> solid;
 
     explicit Problem(const Given& given) : solid(given.shape) {
         const auto lift_all = [&](const auto& numbers) {
@@ -49,12 +51,12 @@ struct Problem {
         };
         std::visit(lift_all, given.numbers);
         std::size_t i = 0;
-        const auto next = [&] { return ++i, Sensitive::input(x[i - 1], i - 1); };
-        for (Vec<Sensitive>* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
-        for (Sensitive& number : solid.used()) number = next();
+        const auto next = [&] { return ++i, Sensitive<E>::input(x[i - 1], i - 1, x.size()); };
+        for (auto* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
+        for (auto& number : solid.used()) number = next();
         if (!given.placed) return;
-        solid.placed = transformed(*given.placed, [](int) { return Sensitive(0); });
-        for (Sensitive& number : solid.placed->matrix) number = next();
+        solid.placed = transformed(*given.placed, [](int) { return Sensitive<E>(0); });
+        for (auto& number : solid.placed->matrix) number = next();
     }
 };
 
@@ -66,20 +68,16 @@ struct Sensitivity {
     std::vector<E> x = {}, by = {};
 };
 
-/// At one precision; nothing where that is too low. The solid is of that shape.
-template <class E, std::size_t N, template <class> class Of>
+/// At one precision; nothing where that is too low.
+template <class E>
 std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convention, const Range<double>& of_ray) {
     using Kind = typename Sensitivity<E>::Kind;
-    const Problem<E, N> problem(given);
-    const auto range = range_over<Dual<E, N>, E>(of_ray);
-    const auto span = span_of<Of>(problem.ray, problem.solid);
-    using Span = std::remove_const_t<decltype(span)>;
-    const auto found =
-        enclose<Dual<E, N>>(span, range ? &*range : nullptr, asked_of_span<Dual<E, N>, Span>(convention));
+    const Problem<E> problem(given);
+    const auto range = range_over<Sensitive<E>, E>(of_ray);
+    const auto found = enclose(problem.ray, problem.solid, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!found.hit.is_yes()) return std::nullopt;
-    const bool at_double_root = std::same_as<Span, QuarticSpan<Dual<E, N>>> && found.touching;
-    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
+    if (found.at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
         return Sensitivity<E>{Kind::endless};
     Sensitivity<E> all{Kind::known, found.t.value(), problem.x};
     for (std::size_t i = 0; i < all.x.size(); ++i) all.by.push_back(found.t.derivative(i));
@@ -150,39 +148,15 @@ std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E
     return Asked::of(*found);
 }
 
-/// How many numbers there is room for: each width is compiled by itself, and few more are little slower.
-constexpr std::size_t room_for(std::size_t numbers) {
-    for (const std::size_t room : {10, 13, 15, 24})
-        if (numbers <= room) return room;
-    return 6 + most_stored;
-}
-
-/// The functions of a shape. Intervals are asked seldom: theirs have room for any solid.
-template <class E>
-using Finder = std::optional<Sensitivity<E>> (*)(const Given&, Convention, const Range<double>&);
-struct OfShape {
-    Finder<Ball> plain, placed;
-    Finder<Interval> exact;
-};
-OfShape of_shape(Shape shape) {
-    return visit_shape(Solid<double>(shape), []<template <class> class Of>() -> OfShape {
-        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
-        return {sensitivity<Ball, room_for(N), Of>, sensitivity<Ball, room_for(under_matrix), Of>,
-                sensitivity<Interval, 6 + most_stored, Of>};
-    });
-}
-
 template <class Asked, class S>
 typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
     const Given given(ray, solid);
-    const OfShape of = of_shape(solid.shape);
-    if (const auto quick = asked_of<Asked>((solid.placed ? of.placed : of.plain)(given, convention, range)))
-        return *quick;
+    if (const auto quick = asked_of<Asked>(sensitivity<Ball>(given, convention, range))) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto found = asked_of<Asked>(of.exact(given, convention, range))) return *found;
+        if (const auto found = asked_of<Asked>(sensitivity<Interval>(given, convention, range))) return *found;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
     return Asked::endless();

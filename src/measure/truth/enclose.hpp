@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <concepts>
 #include <cstdint>
 #include <optional>
 
@@ -26,13 +25,16 @@ enum class Crossing : std::uint8_t { begin, near, far };
 template <class E>
 struct Enclosed {
     Tri hit;  ///< of the closed solid: touching counts
-    E t;
-    E distance;
-    /// The line meets the solid's boundary alone (a tangent): a miss where touching does not count.
+    E t = E(0);
+    E distance = E(0);
+    /// The ray meets the solid's boundary alone: a miss where touching does not count. A tangent does, and so does a
+    /// ray that ends where it enters; what has no inside is crossed there. Whether a ray may begin where it leaves is
+    /// said of its origin, but for boxes, whose points count.
     bool touching = false;
     /// The ray begins on the surface: that is a root, and whether it counts is a matter of convention.
     bool on_surface = false;
     Crossing at = Crossing::begin;
+    bool at_double_root = false;  ///< of a quartic: t has no derivative
 };
 
 /// Where a ray begins: at t = 0, or where its range says.
@@ -65,7 +67,7 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
                                  intersect::Convention convention) {
     const E zero(0);
     const Tri aside = h > zero || h < zero;
-    if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown, zero, zero};
+    if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool touching = aside.is_no();
     // Whoever misses from inside has no exits, and so none where the ray begins. Of a tangent both roots are that.
     const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
@@ -76,7 +78,7 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
         if ((begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
         return enclosed_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
     }
-    if (no_exits || leaving.is_yes()) return {Tri::no, zero, zero, touching, true};
+    if (no_exits || leaving.is_yes()) return {.hit = Tri::no, .touching = touching, .on_surface = true};
     return enclosed_root(s, Crossing::far, false, true);  // and not −2h/a, whose gradient is another
 }
 
@@ -93,19 +95,19 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from,
     const E zero(0);
     const Tri outside = c > zero;
     const Tri leaving = h >= zero;
-    if ((outside && leaving).is_yes()) return {Tri::no, zero, zero};
+    if ((outside && leaving).is_yes()) return {Tri::no};
 
     const Tri hit = !outside || (!leaving && !(s.q < zero));
-    if (hit.is_no()) return {hit, zero, zero};
-    if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};
+    if (hit.is_no()) return {hit};
+    if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown};
     if ((c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(s, h, leaving, range, convention);
     const bool zero_inside = convention.inside == intersect::Inside::zero;
     if (outside.is_no() && (zero_inside || convention.inside == intersect::Inside::miss)) {
-        if (!(c < zero).is_yes()) return {Tri::unknown, zero, zero};
-        return zero_inside ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no, zero, zero};
+        if (!(c < zero).is_yes()) return {Tri::unknown};
+        return zero_inside ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no};
     }
     const Tri through = outside.is_no() ? Tri::yes : s.q > zero;
-    if (through.is_unknown()) return {Tri::unknown, zero, zero};
+    if (through.is_unknown()) return {Tri::unknown};
     return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, through.is_no());
 }
 
@@ -116,10 +118,12 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nul
                     intersect::Convention convention = {}) {
     if (!range) return enclose_ahead<E>(s, {s.c, s.h}, range, convention);
     Enclosed<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
-    if (!found.hit.is_yes() || found.at == Crossing::begin) return found;
+    if (!found.hit.is_yes()) return found;
     const QuadraticAt<E> end = quadratic_at(s, range->end);
-    found.hit = in_time(found.at == Crossing::near ? end.near_root() : end.far_root(), *range);
-    if (found.hit.is_no()) found.touching = false;
+    const Order<Tri> entry = end.near_root();
+    if (found.at != Crossing::begin) found.hit = in_time(found.at == Crossing::near ? entry : end.far_root(), *range);
+    if (found.hit.is_yes() && entry.less.is_unknown()) found.hit = Tri::unknown;
+    found.touching = found.hit.is_yes() && (found.touching || entry.less.is_no());
     return found;
 }
 
@@ -130,22 +134,21 @@ template <class E>
 Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
-    const Enclosed<E> unknown{Tri::unknown, zero, zero}, none{Tri::no, zero, zero};
+    const Enclosed<E> none{Tri::no};
     Tri entered = Tri::yes;
     if (range) entered = entries_to_begin(slabs, *range).less;
     else
         for (const auto& entry : slabs.entry) entered = entered && entry.n < zero;
     const Fraction<E> exit = first_exit(slabs);
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
-    if (entered.is_unknown()) return unknown;
-    if (leaving.is_unknown()) return unknown;
+    if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const auto at_once = [&] { return enclosed_begin(slabs.d2, range); };
     if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once();
     if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once();
     if (asked.inside != Inside::exit) return none;
     if (range) {
         const Tri in_reach = in_time(order_of(exit, range->end), *range);
-        if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
+        if (!in_reach.is_yes()) return {in_reach};
     }
     const E t = exit.n / exit.m;
     return {Tri::yes, t, t * sqrt(slabs.d2), false, false, Crossing::far};
@@ -168,16 +171,15 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 template <class E>
 Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);
-    const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const InSlabs<E> in = range ? in_slabs(slabs, *range) : in_slabs(slabs);
-    if (in.closed.is_no()) return {Tri::no, zero, zero};
-    if (in.closed.is_unknown() || in.open.is_unknown()) return unknown;
+    if (in.closed.is_no()) return {Tri::no};
+    if (in.closed.is_unknown() || in.open.is_unknown()) return {Tri::unknown};
     const bool touching = in.open.is_no();
-    if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
+    if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
 
     const Fraction<E> first = range ? first_entry(slabs, *range) : first_entry(slabs);
     const Tri at_once = range ? entries_to_begin(slabs, *range).at_most : first.n <= zero;
-    if (at_once.is_unknown()) return unknown;
+    if (at_once.is_unknown()) return {Tri::unknown};
     if (at_once.is_yes()) {
         const bool usual =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
@@ -219,7 +221,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     using intersect::AtOrigin, intersect::Touching;
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
-    Enclosed<E> none{Tri::no, zero, zero};
+    Enclosed<E> none{Tri::no};
     for (int i = 0; i < S::crossings; ++i) {
         const auto at = s.crossing(i);
         const auto to_begin = s.order_to(i, begin);
@@ -227,7 +229,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
         const Tri ahead = at.closed && faces(s, asked.facing) && !to_begin.less && in_range;
         const Tri at_begin = to_begin.at_most;
         if (ahead.is_no()) continue;
-        if (ahead.is_unknown() || at_begin.is_unknown() || Tri(at.open).is_unknown()) return {Tri::unknown, zero, zero};
+        if (ahead.is_unknown() || at_begin.is_unknown() || Tri(at.open).is_unknown()) return {Tri::unknown};
         const bool touching = Tri(at.open).is_no(), exit = i + 1 == S::crossings;
         const bool passed_over =
             at_begin.is_yes() && (asked.at_origin == AtOrigin::miss || (asked.at_origin == AtOrigin::exit && !exit));
@@ -244,10 +246,9 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 /// A hit where the line enters (`Crossing::near`) or leaves, by a cap or at a root.
 template <class E>
 Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
-    const E zero(0);
     const bool near = at == Crossing::near;
     const Tri by_cap = near ? s.enters_by_cap() : s.leaves_by_cap();
-    if (by_cap.is_unknown()) return {Tri::unknown, zero, zero};
+    if (by_cap.is_unknown()) return {Tri::unknown};
     if (by_cap.is_no()) return enclosed_root(s.side, at, touching, on_surface);
     const Fraction<E>& cap = near ? s.entry : s.exit;
     const E t = cap.n / cap.m;
@@ -263,12 +264,10 @@ template <class E, ToldSpan<E> S>
 Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
                                 intersect::Convention asked, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
-    const E zero(0);
-    const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const Tri entered = s.enters_to(begin).less, leaving = s.leaves_to(begin).at_most;
-    if (entered.is_unknown() || leaving.is_unknown()) return unknown;
+    if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
-    const Enclosed<E> none{Tri::no, zero, zero, touching, on_surface};
+    const Enclosed<E> none{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
     const bool no_exits = asked.inside == Inside::miss && !touching;
     if (on_surface) {
         const bool counts = asked.at_origin == AtOrigin::hit || (asked.at_origin == AtOrigin::exit && leaving.is_yes());
@@ -281,26 +280,28 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
     }
     if (range) {
         const Tri in_reach = in_time(s.leaves_to(range->end), *range);
-        if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
+        if (!in_reach.is_yes()) return in_reach.is_no() ? none : Enclosed<E>{Tri::unknown};
     }
     return enclosed_at<E>(s, Crossing::far, touching, on_surface);
 }
 
 /// From outside t* is where the line enters, from inside where it leaves; a line along the surface, or through no more
-/// than a rim, touches.
+/// than a rim, touches, and so does a ray that ends where it enters.
 template <class E, ToldSpan<E> S>
 Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
-    const E zero(0);
-    const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const Fraction<E> begin{begin_of(range), E(1)};
-    Tri closed = s.is_met() && !s.leaves_to(begin).less;
-    if (range) closed = closed && in_time(s.enters_to(range->end), *range);
-    if (closed.is_no()) return {Tri::no, zero, zero};
-    if (closed.is_unknown()) return unknown;
-    const Tri begun = s.enters_to(begin).at_most, through = s.is_open();
-    if (begun.is_unknown() || through.is_unknown()) return unknown;
+    Order<Tri> to_end{Tri::yes, Tri::yes};
+    if (range) {
+        to_end = s.enters_to(range->end);
+        to_end.less = to_end.less || range->end.m <= E(0);  // along a side of a cone no root comes before 1/0
+    }
+    const Tri closed = s.is_met() && !s.leaves_to(begin).less && (range ? in_time(to_end, *range) : Tri::yes);
+    if (closed.is_no()) return {Tri::no};
+    if (closed.is_unknown()) return {Tri::unknown};
+    const Tri begun = s.enters_to(begin).at_most, through = s.is_open() && to_end.less;
+    if (begun.is_unknown() || through.is_unknown()) return {Tri::unknown};
     const bool touching = through.is_no();
-    if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
+    if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
     if (begun.is_yes()) return enclose_from_inside<E>(s, begin, range, convention, touching);
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
@@ -309,11 +310,10 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Only tori, and tubes whose rim is passed, are met behind a touch. Of others whoever asks knows whether it counts.
-template <class E, class Span>
+/// Of a span that is not met behind a touch whoever asks knows whether that counts.
+template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
-    if (!std::same_as<Span, QuarticSpan<E>> && !std::same_as<Span, WallSpan<E>>)
-        convention.touching = intersect::Touching::hit;
+    if (!Span::is_met_behind_touch) convention.touching = intersect::Touching::hit;
     return convention;
 }
 
@@ -322,7 +322,7 @@ template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, solid, [&]<class Span>(const Span& span) {
-        return enclose<E>(span, range, asked_of_span<E, Span>(convention));
+        return enclose<E>(span, range, asked_of_span<Span>(convention));
     });
 }
 

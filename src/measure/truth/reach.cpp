@@ -29,6 +29,8 @@ constexpr int exponent_of_zero = -1000000;
 constexpr double tiny = std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
 
 using One = Bounded<double>;
+/// With room for the numbers of any problem.
+using Each = Dual<One, 6 + most_stored>;
 
 double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
@@ -107,10 +109,11 @@ public:
 
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
     /// vectors Σ hᵥ |∇ᵥ f|.
-    [[nodiscard]] double moved(const One* slopes) const {
+    [[nodiscard]] double moved(const Each& f) const {
         double sum = 0;
         const auto by = [&](std::size_t i) {
-            const double most = std::fabs(slopes[i].value()) + slopes[i].error();
+            const One slope = f.derivative(i);
+            const double most = std::fabs(slope.value()) + slope.error();
             return most == 0 ? 0 : step_[i] * most + tiny;
         };
         if (!normwise_)
@@ -126,10 +129,9 @@ public:
 
     /// How far f(x') can be from 0, of an f that is 0 where t is its root. Where it is not (the range begins there, or
     /// another face is met), what the enclosure of f(x') leaves beyond 0 bounds it too, and is often nothing.
-    template <std::size_t N>
-    [[nodiscard]] double aside(const Dual<One, N>& f) const {
+    [[nodiscard]] double aside(const Each& f) const {
         const One& all = f.value();
-        return std::min(moved(&f.derivative(0)), std::max(0.0, all.error() * outward - std::fabs(all.value())));
+        return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
     }
 
     /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
@@ -185,16 +187,13 @@ private:
     std::array<double, room> x_, step_, off_;
 };
 
-/// A problem as functions of its numbers, of which there are at most N: f(x') of any x' within the errors is in
-/// f(ray, solid).
-template <std::size_t N>
+/// A problem as functions of its numbers: f(x') of any x' within the errors is in f(ray, solid).
 struct Perturbable : Numbers {
-    using Each = Dual<One, N>;
     Ray<Each> ray;
     Solid<Each> solid;
 
     explicit Perturbable(const Numbers& numbers) : Numbers(numbers), solid(numbers.shape()) {
-        const auto input = [&](std::size_t i) { return Each::input(at(i), i); };
+        const auto input = [&](std::size_t i) { return Each::input(at(i), i, count_); };
         ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
         for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
         if (!placed_) return;
@@ -202,10 +201,10 @@ struct Perturbable : Numbers {
         for (std::size_t i = matrix_; i < count_; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
     }
 
-    /// Where the ray from its point at t on is inside of the solid, of that shape.
-    template <template <class> class Of>
-    [[nodiscard]] auto span_from(const One& t) const {
-        return span_of<Of>(Ray<Each>{ray.origin + Each(t) * ray.direction, ray.direction}, solid);
+    /// `act` on where the ray from its point at t on is inside of the solid.
+    template <class Act>
+    [[nodiscard]] auto with_span_from(const One& t, const Act& act) const {
+        return with_span(Ray<Each>{ray.origin + Each(t) * ray.direction, ray.direction}, solid, act);
     }
 };
 
@@ -217,8 +216,7 @@ struct Perturbable : Numbers {
 ///     |δ| ≤ √(B/a')              where not, for the smallest |a'|: as near to a tangent t goes as a square root (the
 ///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
 /// and |s'|/a' twice more where s' may have the other sign. P and −P have the same roots: a' > 0 is no loss.
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<One, N>>& s) {
+double moved_root(const Perturbable& problem, const QuadraticSpan<Each>& s) {
     const double B = problem.aside(s.c);
     if (B == 0) return 0;
     const auto &slope = s.h.value(), &a = s.a.value();
@@ -232,9 +230,7 @@ double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<One, N
 /// δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. Where |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other j, the
 /// circle |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to
 /// first order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<One, N>>& s) {
-    using Each = Dual<One, N>;
+double moved_root(const Perturbable& problem, const QuarticSpan<Each>& s) {
     const double B = problem.aside(s.f.at(s.b));
     if (B == 0) return 0;
     std::array<double, 5> most{B}, least{};
@@ -266,8 +262,7 @@ double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<One, N>>
 }
 
 /// t' − t = n'/m' of t = n/m, where n is 0 as the ray begins at t.
-template <std::size_t N>
-double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<One, N>>& at) {
+double moved_quotient(const Perturbable& problem, const Fraction<Each>& at) {
     const double B = problem.aside(at.n);
     if (B == 0) return 0;
     const double least = at.m.value().value() * (1 - 0x1p-40) - at.m.value().error();
@@ -275,8 +270,7 @@ double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<One, N>
 }
 
 /// t is one of these, the largest or the smallest: it moves as far as any that can come to where it is.
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<One, N>>& s) {
+double moved_root(const Perturbable& problem, const SlabSpan<Each>& s) {
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         if (!s.crossed[i].value()) continue;
@@ -285,47 +279,31 @@ double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<One, N>>& s
     return most;
 }
 
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<One, N>>& s) {
-    return moved_quotient(problem, s.at);
-}
+double moved_root(const Perturbable& problem, const FlatSpan<Each>& s) { return moved_quotient(problem, s.at); }
 
 /// t is a root or on a cap: as far as either can come to where it is.
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<One, N>>& s) {
+double moved_root(const Perturbable& problem, const CappedSpan<Each>& s) {
     double most = moved_root(problem, s.side);
     if (!s.crossed.value()) return most;
     for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap));
     return most;
 }
 
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const WallSpan<Dual<One, N>>& s) {
-    return moved_root(problem, s.solid.side);
-}
+double moved_root(const Perturbable& problem, const WallSpan<Each>& s) { return moved_root(problem, s.solid.side); }
 
-template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<One, N>>& s) {
+double moved_root(const Perturbable& problem, const JoinedSpan<Each>& s) {
     return std::max(moved_root(problem, s.enter), moved_root(problem, s.leave));
 }
 
-/// Of a solid of that shape. Each width is compiled by itself: under a matrix there are two.
-template <std::size_t N, template <class> class Of>
-double reach_in(const Numbers& numbers, const Certified& t) {
-    const Perturbable<N> problem(numbers);
+double reach_of(const Numbers& numbers, const Certified& t) {
+    const Perturbable problem(numbers);
     const One at = problem.of(t);
-    const double root = problem.is_spread() ? anywhere : moved_root(problem, problem.template span_from<Of>(at));
+    const double root = problem.is_spread()
+                            ? anywhere
+                            : problem.with_span_from(at, [&](const auto& span) { return moved_root(problem, span); });
     const double most = root == 0 ? 0 : std::min(root, problem.across(at));
     const double in_time = std::ldexp(most * outward, problem.time());
     return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
-}
-
-double reach_of(const Numbers& numbers, const Certified& t) {
-    return visit_shape(Solid<double>(numbers.shape()), [&]<template <class> class Of>() {
-        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
-        return numbers.is_placed() ? reach_in < under_matrix <= 24 ? 24 : 6 + most_stored,
-               Of > (numbers, t)   : reach_in<N, Of>(numbers, t);
-    });
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ struct MetRoot {
 
 /// Goes from root to root of an enclosing quartic. Where f does not change its sign at a root the line touches there,
 /// from outside or from inside: that is a hit or not by the convention, whatever comes behind it. From outside and from
-/// inside alike the answer is the next root that counts.
+/// inside alike the answer is the next root that counts; where the ray ends at one by which it enters, it touches.
 template <class F>
 class QuarticWalk {
 public:
@@ -214,7 +214,10 @@ private:
     /// As `enclose_from_inside` has it of convex solids; behind a surface that is left there may be another.
     [[nodiscard]] MetRoot<F> from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
-        const bool touching = !met_.roots[root].crosses, leaving = met_.roots[root].behind > 0;
+        const bool leaving = met_.roots[root].behind > 0;
+        const auto to_end = order_to_end(root);
+        if (!to_end) return {Tri::unknown};
+        const bool touching = !met_.roots[root].crosses || (!leaving && *to_end == 0);
         met_.on_surface = true;
         if (!touching || asked_.touching == Touching::hit) {
             const bool no_exits = asked_.inside == Inside::miss && !touching;
@@ -228,6 +231,11 @@ private:
         }
         return leaving ? on_from(root + 1) : from_inside(root + 1);
     }
+    /// How a root stands to where the range ends.
+    [[nodiscard]] std::optional<int> order_to_end(int root) const {
+        if (!range_ || known_sign(range_->end.m) == 0) return -1;
+        return met_.roots.order(root, span_.place(range_->end.n));
+    }
     /// The next root that counts, if it comes in time.
     [[nodiscard]] MetRoot<F> on_from(int root, Crossing at = Crossing::near) {
         const auto counts = [this](int i) {
@@ -235,12 +243,12 @@ private:
         };
         while (root < met_.roots.count && !counts(root)) ++root;
         if (root == met_.roots.count) return end(Tri::no);
-        if (range_ && known_sign(range_->end.m) != 0) {
-            const auto order = met_.roots.order(root, span_.place(range_->end.n));
-            if (!order) return {Tri::unknown};
-            if (*order > 0 || (*order == 0 && range_->open.tmax)) return end(Tri::no);
-        }
-        met_.root = root, met_.at = at, met_.touching = !met_.roots[root].crosses;
+        const auto to_end = order_to_end(root);
+        if (!to_end) return {Tri::unknown};
+        if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return end(Tri::no);
+        const bool touching = !met_.roots[root].crosses || (*to_end == 0 && at == Crossing::near);
+        if (touching && asked_.touching == intersect::Touching::miss) return end(Tri::no);
+        met_.root = root, met_.at = at, met_.touching = touching;
         return end(Tri::yes);
     }
 
@@ -264,20 +272,25 @@ MetRoot<F> met_root(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
 /// known of it.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
-    const E zero(0);
     const auto met = met_root(s, range, convention);
-    if (!met.hit.is_yes()) return {met.hit, zero, zero};
+    if (!met.hit.is_yes()) return {met.hit};
     if (met.at == Crossing::begin) return enclosed_begin(s.d2, range, met.touching, met.on_surface);
     E x(met.roots[met.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
         const E f = s.f.at(x);
         const auto steep = met.roots.f.slope().at(x.value());
         typename E::Gradient gradient;
-        for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] = -f.derivative(i) / steep;
+        for (const auto& slope : f.gradient()) gradient.push_back(-slope / steep);
         x = E(x.value(), gradient);
     }
     const E t = s.time(x);
-    return {Tri::yes, t, t * sqrt(s.d2), met.touching, met.on_surface, met.at};
+    return {.hit = Tri::yes,
+            .t = t,
+            .distance = t * sqrt(s.d2),
+            .touching = met.touching,
+            .on_surface = met.on_surface,
+            .at = met.at,
+            .at_double_root = !met.roots[met.root].crosses};
 }
 
 /// x = u + v √d, and sums and products of such numbers: a distance m lies at x = b + a m/√d2, d2 times which is one.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "intersect/process/parallel.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
@@ -12,15 +13,40 @@
 namespace lostbits::test::test_mesh_outcomes {
 
 using measure::answer::Outcome;
-using measure::truth::find_truth;
 using measure::truth::Truth;
 
 namespace {
 
-/// Recounts the outcomes of a band from every triangle asked alone; what is truly met without an index.
+using intersect::AtOrigin;
+
+/// Of every ray of a scene the triangles that it truly meets, by the words on its origin and without an index.
+class Meetings {
+public:
+    using Met = std::map<std::size_t, Truth>;
+
+    explicit Meetings(const scene::file::Scene& scene) {
+        const measure::truth::Band band(scene, 0, scene.height);
+        const std::size_t triangles = scene::rays::SolidList(scene::rays::shared_solids(scene)).size();
+        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
+        intersect::process::in_parallel(std::size_t{0}, band.pixels(), [&](std::size_t i) {
+            for (std::size_t s = 0; s < triangles; ++s) {
+                const Truth closed = band.truth_of_solid(i, s, AtOrigin::hit);
+                const Truth ahead = closed.on_surface ? band.truth_of_solid(i, s, AtOrigin::miss) : closed;
+                if (closed.is_hit()) met_.at(AtOrigin::hit)[i].emplace(s, closed);
+                if (ahead.is_hit()) met_.at(AtOrigin::miss)[i].emplace(s, ahead);
+            }
+        });
+    }
+    [[nodiscard]] const Met& of(std::size_t ray, AtOrigin word) const { return met_.at(word)[ray]; }
+
+private:
+    std::map<AtOrigin, std::vector<Met>> met_;
+};
+
+/// Recounts the outcomes of a band from every triangle asked alone.
 class Recount final : public measure::evaluate::EvaluationSink {
 public:
-    explicit Recount(const measure::evaluate::TestedForm& row) : row_(row) {}
+    Recount(const measure::evaluate::TestedForm& row, const Meetings& meetings) : row_(row), meetings_(meetings) {}
 
     void band(const measure::evaluate::BandResult& result) override {
         const auto& in = *result.inputs;
@@ -28,17 +54,18 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Ray<double> ray = in.rays[i];
             std::vector<std::size_t> claimed;
-            std::map<std::size_t, Truth> met;
+            // A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
+            for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
+                const std::size_t s = in.candidates->solid(pair);
+                if (testing::asked_alone(row_, ray, in.solids[s])) claimed.push_back(s);
+            }
+            wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
+            const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;
+            const Meetings::Met& met = meetings_.of(place, result.convention.at_origin);
             std::vector<Truth> apart;
-            for (std::size_t s = 0; s < in.solids.size(); ++s) {
-                const Solid<double> solid = in.solids[s];
-                if (is_asked(in, i, s) && testing::asked_alone(row_, ray, solid)) claimed.push_back(s);
-                const Truth truth = find_truth(ray, solid, {}, result.convention);
-                if (!truth.is_hit()) continue;
-                met.emplace(s, truth);
+            for (const auto& [s, truth] : met)
                 if (std::ranges::none_of(apart, [&](const Truth& t) { return compare(t.t, truth.t) == 0; }))
                     apart.push_back(truth);
-            }
             const Outcome outcome = result.outcomes[i];
             ++counts[outcome];
             const auto truly =
@@ -57,7 +84,7 @@ public:
                 const auto first = static_cast<std::size_t>(result.answers->object[i]);
                 const auto twice = [&](std::size_t s) {
                     return s != first && beside(s, first) &&
-                           !(met.contains(s) && met.contains(first) && compare(met[s].t, met[first].t) != 0);
+                           !(met.contains(s) && met.contains(first) && compare(met.at(s).t, met.at(first).t) != 0);
                 };
                 wrong += std::ranges::none_of(claimed, twice) || !odd;
             } else if (outcome == Outcome::wrong_neighbour) {
@@ -68,7 +95,7 @@ public:
             } else if (outcome == Outcome::out_of_order || outcome == Outcome::wrong_object) {
                 const auto first = static_cast<std::size_t>(result.answers->object[i]);
                 const auto nearer = [&](std::size_t s) {
-                    return met.contains(s) && !beside(s, first) && compare(met[s].t, met[first].t) < 0;
+                    return met.contains(s) && !beside(s, first) && compare(met.at(s).t, met.at(first).t) < 0;
                 };
                 const bool passed = met.contains(first) && std::ranges::any_of(claimed, nearer);
                 // Of triangles that are met at one t any is the first.
@@ -90,14 +117,8 @@ public:
     std::uint64_t wrong = 0;
 
 private:
-    /// A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
-    static bool is_asked(const measure::truth::FormatInputs& in, std::size_t ray, std::size_t solid) {
-        const auto& lists = *in.candidates;
-        for (std::size_t pair = lists.first(ray); pair < lists.first(ray + 1); ++pair)
-            if (lists.solid(pair) == solid) return true;
-        return false;
-    }
     const measure::evaluate::TestedForm& row_;
+    const Meetings& meetings_;
 };
 
 scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std::string, std::string>> changes) {
@@ -121,7 +142,8 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
                                  "triangle.havel_herout", "triangle.filtered"})
             request.rows.push_back(testing::row(form, "f32"));
         std::vector<Recount> again;
-        for (const auto& row : request.rows) again.emplace_back(row);
+        const Meetings meetings(scene);
+        for (const auto& row : request.rows) again.emplace_back(row, meetings);
         std::vector<measure::evaluate::EvaluationSink*> sinks;
         for (Recount& one : again) sinks.push_back(&one);
         const auto summaries = measure::evaluate::evaluate_rows(request, sinks);

@@ -1,6 +1,7 @@
 // The same question answered in exact integers, by another derivation: no enclosure, no root, no rounding.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -51,6 +52,10 @@ public:
     [[nodiscard]] bool on_surface() const { return c_.sign() == 0; }
     [[nodiscard]] bool is_inside() const { return c_.sign() < 0; }
     [[nodiscard]] bool is_tangent_line() const { return discriminant_.sign() == 0; }
+    /// Of a hit: whether the range ends where the line enters.
+    [[nodiscard]] bool ends_at_entry(const Range<double>& range) const {
+        return !far_ && !std::isinf(range.tmax) && side(Dyadic(range.tmax)) == 0;
+    }
     /// The sign of t* − x, for a hit.
     [[nodiscard]] int side(const Dyadic& x) const;
     /// The sign of t*·|d| − x, for a hit.

@@ -48,15 +48,6 @@ std::vector<double> by_differences(const Ray<double>& ray, const Solid<double>& 
 
 }  // namespace
 
-TEST_CASE("the condition of a head-on ray is (D + t + r)/t") {
-    for (const double distance : {2.0, 5.0, 4100.0, 0x1p40}) {
-        const Ray<double> ray{{0, 0, distance}, {0, 0, -1}};
-        const Sphere<double> sphere{{0, 0, 0}, 1};
-        const double t = distance - 1;
-        CHECK(measure::truth::condition(ray, sphere) == Approx((distance + t + 1) / t).epsilon(0x1p-19));
-    }
-}
-
 TEST_CASE("towards a tangent the condition grows as one over the cosine, and on it it is infinite") {
     // x = sin: the ray's offset; ∂t/∂x = x/√(1 − x²), and the other inputs add their own.
     for (int k = 2; k <= 50; k += 4) {

@@ -34,7 +34,8 @@ struct Exact {
 
 Exact exactly(const RaySample& s, const Range<double>& range, Touching touching) {
     const ExactHit e(s.ray, s.sphere, range);
-    return {e.hit() && (touching == Touching::hit || !e.is_tangent_line()), [e](const Dyadic& x) { return e.side(x); },
+    const bool touches = e.hit() && (e.is_tangent_line() || e.ends_at_entry(range));
+    return {e.hit() && (touching == Touching::hit || !touches), [e](const Dyadic& x) { return e.side(x); },
             [e](const Dyadic& x) { return e.distance_side(x); }};
 }
 
