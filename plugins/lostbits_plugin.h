@@ -69,8 +69,10 @@ typedef struct lb_batch {
     size_t size;         /* rays */
     const void* rays;    /* size x 6: origin x y z, direction x y z */
     const void* ends;    /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
-    const void* solids;  /* centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; centre x y z,
-                            radii x y z; base or start x y z, top or end x y z, radius */
+    const void* solids;  /* by shape: centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; centre x y z,
+                            radii x y z; base or start x y z, top or end x y z, radius (of a cone radius of the base,
+                            radius of the top); disc: centre x y z, normal x y z, radius, radius of the hole; plane:
+                            point x y z, normal x y z; torus: centre x y z, axis x y z, major and minor radius */
     size_t solid_stride; /* numbers from the solid of one ray to that of the next; 0: one for all */
     void* near_far;      /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */

@@ -113,20 +113,6 @@ private:
     unsigned running_ = 0;
 };
 
-/// The bytes of a request: its head, then columns one after the other.
-class Message {
-public:
-    void add(const void* from, std::size_t bytes) {
-        const auto* const first = static_cast<const std::byte*>(from);
-        bytes_.insert(bytes_.end(), first, first + bytes);
-    }
-    void clear() { bytes_.clear(); }
-    [[nodiscard]] std::span<const std::byte> all() const { return bytes_; }
-
-private:
-    std::vector<std::byte> bytes_;
-};
-
 /// Asks, and reads all but the columns of the answer. Whether a process of this program says `changes_state`.
 bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours) {
     PipeAnswer answer;
@@ -154,64 +140,61 @@ PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
     return request;
 }
 
-void ask_by_pipe(Child& child, const PipeRequest& request, const Contract& contract, const lb_batch& batch) {
-    thread_local Message message;
-    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = batch.size;
-    message.clear();
-    message.add(&request, sizeof request);
-    message.add(batch.rays, 6 * n * width);
-    if (batch.starts) message.add(batch.starts, n * width);
-    if (batch.ends) message.add(batch.ends, n * width);
-    message.add(batch.solids, request.solids * row_of(contract.shape).numbers * width);
-
-    exchange_heads(child, message.all(), false);
-    child.read({static_cast<std::byte*>(batch.near_far), 2 * n * width});
-    child.read({reinterpret_cast<std::byte*>(batch.hit), n});
+/// What a batch asks, column by column.
+std::array<std::span<const std::byte>, BatchColumn::asked> asked_by(const lb_batch& batch, const ColumnBytes& bytes) {
+    const auto column = [&bytes](const void* from, std::size_t k) {
+        return std::span(static_cast<const std::byte*>(from), bytes[k]);
+    };
+    return {column(batch.rays, BatchColumn::rays), column(batch.starts, BatchColumn::starts),
+            column(batch.ends, BatchColumn::ends), column(batch.solids, BatchColumn::solids)};
 }
 
-void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& request, const Contract& contract,
+void ask_by_pipe(Child& child, const PipeRequest& request, const ColumnBytes& bytes, const lb_batch& batch) {
+    thread_local std::vector<std::byte> message;
+    const auto head = std::as_bytes(std::span(&request, 1));
+    message.assign(head.begin(), head.end());
+    for (const auto& column : asked_by(batch, bytes)) message.insert(message.end(), column.begin(), column.end());
+    exchange_heads(child, message, false);
+    child.read({static_cast<std::byte*>(batch.near_far), bytes[BatchColumn::near_far]});
+    child.read({reinterpret_cast<std::byte*>(batch.hit), bytes[BatchColumn::hit]});
+}
+
+void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& request, const ColumnBytes& bytes,
                    const lb_batch& batch) {
-    SharedRoom& room = *partner.room;
-    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = batch.size;
-    const BatchPlaces at = places_of(request, contract);
-    std::byte* const data = room.with_bytes(at.end);
+    const auto at = places_of(bytes);
+    std::byte* const data = partner.room->with_bytes(at.back());
     if (data == nullptr) throw std::bad_alloc();
-    std::memcpy(data + at.rays, batch.rays, 6 * n * width);
-    if (batch.starts) std::memcpy(data + at.starts, batch.starts, n * width);
-    if (batch.ends) std::memcpy(data + at.ends, batch.ends, n * width);
-    std::memcpy(data + at.solids, batch.solids, request.solids * row_of(contract.shape).numbers * width);
+    const auto asked = asked_by(batch, bytes);
+    for (std::size_t k = 0; k < asked.size(); ++k) std::ranges::copy(asked[k], data + at[k]);
     if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
         note_change(who,
                     "changes in a call how the processor computes, which is undone after each; call fegetenv "
                     "before and fesetenv after");
-    std::memcpy(batch.near_far, data + at.near_far, 2 * n * width);
-    std::memcpy(batch.hit, data + at.hit, n);
+    std::memcpy(batch.near_far, data + at[BatchColumn::near_far], bytes[BatchColumn::near_far]);
+    std::memcpy(batch.hit, data + at[BatchColumn::hit], bytes[BatchColumn::hit]);
 }
 
 void ask(Partner& partner, std::uint32_t form, const std::string& who, const Contract& contract,
          const lb_batch& batch) {
     const PipeRequest request = request_of(form, batch);
     partner.child.about("form \"" + contract.name + "\"");
-    if (partner.room) ask_in_memory(partner, who, request, contract, batch);
-    else ask_by_pipe(partner.child, request, contract, batch);
+    const ColumnBytes bytes = column_bytes(request, contract);
+    if (partner.room) ask_in_memory(partner, who, request, bytes, batch);
+    else ask_by_pipe(partner.child, request, bytes, batch);
 }
 
 }  // namespace
 
-BatchPlaces places_of(const PipeRequest& request, const Contract& contract) {
+ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract) {
     const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
-    BatchPlaces at;
-    const auto place = [&at](std::size_t bytes) {
-        const std::size_t begin = at.end;
-        at.end += (bytes + 63) / 64 * 64;
-        return begin;
-    };
-    at.rays = place(6 * n * width);
-    at.starts = place(contract.flags & LB_RANGE ? request.ends * width : 0);
-    at.ends = place(request.ends * width);
-    at.solids = place(request.solids * row_of(contract.shape).numbers * width);
-    at.near_far = place(2 * n * width);
-    at.hit = place(n);
+    return {6 * n * width,        (contract.flags & LB_RANGE) != 0 ? request.ends * width : 0,
+            request.ends * width, request.solids * row_of(contract.shape).numbers * width,
+            2 * n * width,        n};
+}
+
+std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes) {
+    std::array<std::size_t, BatchColumn::count + 1> at{};
+    for (std::size_t k = 0; k < bytes.size(); ++k) at[k + 1] = at[k] + (bytes[k] + 63) / 64 * 64;
     return at;
 }
 

@@ -2,6 +2,7 @@
 // output. What it says is in docs/pipe.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,11 +39,15 @@ inline constexpr std::uint32_t changes_state = 1U << 31;
 /// in memory that both share (process/shared_room.hpp), and only what comes before them goes through the pipe.
 inline constexpr char shares_memory[4] = {'L', 'B', 'M', '1'};
 
-/// Where the columns of a batch stand in that memory, in bytes from its begin.
-struct BatchPlaces {
-    std::size_t rays = 0, starts = 0, ends = 0, solids = 0, near_far = 0, hit = 0, end = 0;
+/// The columns of a batch in the order in which they go through the pipe: those that ask, then those of the answer.
+struct BatchColumn {
+    enum : std::size_t { rays, starts, ends, solids, near_far, hit, count, asked = near_far };
 };
-BatchPlaces places_of(const PipeRequest& request, const Contract& contract);
+/// Of each how many bytes; 0 where the batch has none.
+using ColumnBytes = std::array<std::size_t, BatchColumn::count>;
+ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract);
+/// Where each begins in memory that is shared; the last is where all end.
+std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes);
 
 struct PipeTerms {
     double seconds = 30;           ///< that an answer may take

@@ -65,32 +65,32 @@ bool write_all(int to, const void* from, std::size_t bytes) {
     return true;
 }
 
-/// The numbers of a batch, as bytes: they are handed on as they came.
-struct Columns {
-    const std::byte *rays, *starts, *ends, *solids;  ///< `starts`, `ends`: null where there are none
-    std::byte* near_far;
-    std::uint8_t* hit;
-};
+/// The columns of a batch, which are handed on as they came; null where it has none.
+using BatchColumns = std::array<std::byte*, BatchColumn::count>;
+
+std::uint8_t* hits_in(const BatchColumns& columns) {
+    return reinterpret_cast<std::uint8_t*>(columns[BatchColumn::hit]);
+}
 
 template <class S>
-void mark_unwritten_in(const Columns& columns, std::size_t rays) {
-    mark_unwritten<S>({reinterpret_cast<S*>(columns.near_far), 2 * rays}, {columns.hit, rays});
+void mark_unwritten_in(const BatchColumns& columns, std::size_t rays) {
+    mark_unwritten<S>({reinterpret_cast<S*>(columns[BatchColumn::near_far]), 2 * rays}, {hits_in(columns), rays});
 }
 
 /// Why there is no answer; empty where there is.
-std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const Columns& columns) {
+std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const BatchColumns& columns) {
     if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.rays);
     else mark_unwritten_in<float>(columns, request.rays);
     try {
         form.answer({.size = request.rays,
-                     .rays = columns.rays,
-                     .ends = columns.ends,
-                     .solids = columns.solids,
+                     .rays = columns[BatchColumn::rays],
+                     .ends = columns[BatchColumn::ends],
+                     .solids = columns[BatchColumn::solids],
                      .solid_stride = request.solids == 1 ? 0 : row_of(form.contract.shape).numbers,
-                     .near_far = columns.near_far,
-                     .hit = columns.hit,
+                     .near_far = columns[BatchColumn::near_far],
+                     .hit = hits_in(columns),
                      .own = nullptr,
-                     .starts = columns.starts});
+                     .starts = columns[BatchColumn::starts]});
     } catch (const std::exception& error) {
         return error.what();
     }
@@ -106,41 +106,23 @@ bool is_for(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
 /// Where the numbers of batches are kept: in memory of whoever asks, or here.
 struct Room {
     std::optional<process::SharedRoom> shared;
-    std::vector<std::byte> rays, starts, ends, solids, near_far;
-    std::vector<std::uint8_t> hit;
+    std::array<std::vector<std::byte>, BatchColumn::count> columns;
 };
 
-Columns columns_in(std::byte* memory, const BatchPlaces& at, bool have_ends) {
-    return {.rays = memory + at.rays,
-            .starts = have_ends && at.starts != at.ends ? memory + at.starts : nullptr,
-            .ends = have_ends ? memory + at.ends : nullptr,
-            .solids = memory + at.solids,
-            .near_far = memory + at.near_far,
-            .hit = reinterpret_cast<std::uint8_t*>(memory + at.hit)};
-}
-
 /// The columns of a batch, read where they do not stand in memory that is shared. Nothing where not all came.
-std::optional<Columns> take_batch(int input, const PipeRequest& request, const Contract& contract, Room& room) {
-    const BatchPlaces at = places_of(request, contract);
-    if (room.shared) {
-        std::byte* const memory = room.shared->with_bytes(at.end);
-        if (memory == nullptr) return std::nullopt;
-        return columns_in(memory, at, request.ends != 0);
+std::optional<BatchColumns> take_batch(int input, const PipeRequest& request, const Contract& contract, Room& room) {
+    const ColumnBytes bytes = column_bytes(request, contract);
+    const auto at = places_of(bytes);
+    std::byte* const memory = room.shared ? room.shared->with_bytes(at.back()) : nullptr;
+    if (room.shared && memory == nullptr) return std::nullopt;
+    BatchColumns columns{};
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        if (!room.shared && k < BatchColumn::asked && !read_column(input, room.columns[k], bytes[k]))
+            return std::nullopt;
+        if (!room.shared && k >= BatchColumn::asked) room.columns[k].resize(bytes[k]);
+        if (bytes[k] > 0) columns[k] = room.shared ? memory + at[k] : room.columns[k].data();
     }
-    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
-    const std::size_t starts = (contract.flags & LB_RANGE) != 0 ? request.ends * width : 0;
-    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.starts, starts) ||
-        !read_column(input, room.ends, request.ends * width) ||
-        !read_column(input, room.solids, request.solids * row_of(contract.shape).numbers * width))
-        return std::nullopt;
-    room.near_far.resize(2 * n * width);
-    room.hit.resize(n);
-    return Columns{.rays = room.rays.data(),
-                   .starts = room.starts.empty() ? nullptr : room.starts.data(),
-                   .ends = room.ends.empty() ? nullptr : room.ends.data(),
-                   .solids = room.solids.data(),
-                   .near_far = room.near_far.data(),
-                   .hit = room.hit.data()};
+    return columns;
 }
 
 /// False where the output takes no more of it.
@@ -150,8 +132,10 @@ bool give_answer(int output, const std::string& refusal, const ForeignForm& form
     if (room.shared && !change_noted(name_in_messages(form)).empty()) answer.error |= changes_state;
     if (!write_all(output, &answer, sizeof answer)) return false;
     if (!refusal.empty()) return write_all(output, refusal.data(), refusal.size());
-    return room.shared || (write_all(output, room.near_far.data(), room.near_far.size()) &&
-                           write_all(output, room.hit.data(), room.hit.size()));
+    const auto write_column = [&](std::size_t k) {
+        return write_all(output, room.columns[k].data(), room.columns[k].size());
+    };
+    return room.shared || (write_column(BatchColumn::near_far) && write_column(BatchColumn::hit));
 }
 
 /// Whether whoever asks has closed this, as when the run is interrupted.
@@ -194,7 +178,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
         }
         if (!is_for(request, forms)) return false;
         const ForeignForm& form = forms[request.form];
-        const std::optional<Columns> columns = take_batch(input, request, form.contract, room);
+        const std::optional<BatchColumns> columns = take_batch(input, request, form.contract, room);
         if (!columns) return true;
         if (!give_answer(output, answer_in_place(form, request, *columns), form, room))
             return require_somebody(input), true;

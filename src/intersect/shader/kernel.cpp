@@ -161,39 +161,48 @@ std::string call_words(const Signature& s, const MarchWords& march) {
     return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
+/// The words of the buffer `head`, in the order of `KernelHead`, and the buffers of columns.
+constexpr std::array<std::string_view, 4> head_words{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
+static_assert(sizeof(KernelHead) == head_words.size() * sizeof(std::uint32_t));
+struct ColumnBuffer {
+    BufferPlace at;
+    std::string_view name;
+    bool written = false, whole = false;  ///< by the program; not of the function's numbers but of whole ones
+};
+constexpr std::array<ColumnBuffer, BufferPlace::binding_count - 1> column_buffers{
+    {{BufferPlace::rays, "lb_rays"},
+     {BufferPlace::ends, "lb_ends"},
+     {BufferPlace::solids, "lb_solids"},
+     {BufferPlace::answers, "lb_answers", true},
+     {BufferPlace::hits, "lb_hits", true, true},
+     {BufferPlace::starts, "lb_starts"}}};
+
 /// The buffers, and the line that begins the program.
 std::string opening(const std::string& real) {
-    std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n";
-    const auto buffer = [&words](BufferPlace at, const char* way, const std::string& members) {
-        words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
-                 std::to_string(at) + " { " + members + " };\n";
+    std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
+    const auto buffer = [&words](BufferPlace at, bool written, const std::string& members) {
+        words += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
+                 " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
     };
-    buffer(BufferPlace::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_has_starts;");
-    buffer(BufferPlace::rays, "readonly", real + " lb_rays[];");
-    buffer(BufferPlace::ends, "readonly", real + " lb_ends[];");
-    buffer(BufferPlace::solids, "readonly", real + " lb_solids[];");
-    buffer(BufferPlace::answers, "writeonly", real + " lb_answers[];");
-    buffer(BufferPlace::hits, "writeonly", "uint lb_hits[];");
-    buffer(BufferPlace::starts, "readonly", real + " lb_starts[];");
+    for (const std::string_view word : head_words) head += " uint " + std::string(word) + ";";
+    buffer(BufferPlace::head, false, head);
+    for (const ColumnBuffer& c : column_buffers)
+        buffer(c.at, c.written, " " + (c.whole ? "uint" : real) + " " + std::string(c.name) + "[];");
     return words + "void main() {\n";
 }
 
 /// The same in HLSL, where what follows may go on in words of GLSL.
 std::string opening_of_hlsl() {
     std::string words =
-        "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n"
-        "#define lb_count lb_head[0]\n#define lb_stride lb_head[1]\n#define lb_has_ends lb_head[2]\n"
-        "#define lb_has_starts lb_head[3]\n";
-    const auto buffer = [&words](BufferPlace at, const std::string& type, const std::string& name) {
-        words += "[[vk::binding(" + std::to_string(at) + ")]] " + type + " " + name + ";\n";
+        "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
+    for (std::size_t k = 0; k < head_words.size(); ++k)
+        words += "#define " + std::string(head_words[k]) + " lb_head[" + std::to_string(k) + "]\n";
+    const auto buffer = [&words](const ColumnBuffer& c) {
+        words += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
+                 (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
     };
-    buffer(BufferPlace::head, "StructuredBuffer<uint>", "lb_head");
-    buffer(BufferPlace::rays, "StructuredBuffer<float>", "lb_rays");
-    buffer(BufferPlace::ends, "StructuredBuffer<float>", "lb_ends");
-    buffer(BufferPlace::solids, "StructuredBuffer<float>", "lb_solids");
-    buffer(BufferPlace::answers, "RWStructuredBuffer<float>", "lb_answers");
-    buffer(BufferPlace::hits, "RWStructuredBuffer<uint>", "lb_hits");
-    buffer(BufferPlace::starts, "StructuredBuffer<float>", "lb_starts");
+    buffer({BufferPlace::head, "lb_head", false, true});
+    for (const ColumnBuffer& c : column_buffers) buffer(c);
     return words + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }

@@ -65,20 +65,18 @@ template <class Form, class F, class Width>
     }
 }
 
-/// The loop for boxes has their planes in order.
-template <class Form, class F, class Width>
-constexpr auto many_kernel() {
-    if constexpr (meets<Form, Box>) return one_ray_many_boxes<Form, F, Width>;
-    else if constexpr (!marches<Form>) return one_ray_many<Form, F, Width>;
-    else return static_cast<void (*)(const RawSolids<F>&)>(nullptr);
-}
-
-/// A null pointer where the form does not exist in binary64, or meets many solids as one (the forms that march).
+/// Null pointers where the form does not exist in binary64, and of the shapes that do not come in many.
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {
-        row->f32 = many_kernel<Form, float, Width>();
-        if constexpr (Form::info.formats == Formats::all) row->f64 = many_kernel<Form, double, Width>();
+        constexpr bool all = Form::info.formats == Formats::all;
+        if constexpr (meets<Form, Box>) {
+            row->f32 = one_ray_many_boxes<Form, float, Width>;
+            if constexpr (all) row->f64 = one_ray_many_boxes<Form, double, Width>;
+        } else if constexpr (come_in_many(shape_of<Form>)) {
+            row->f32 = one_ray_many<Form, float, Width>;
+            if constexpr (all) row->f64 = one_ray_many<Form, double, Width>;
+        }
         ++row;
     });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/kernels.hpp"
@@ -18,8 +19,8 @@ template <class Form>
 void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
                    const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    intersect_batch<Form, RoundedAny>(
-        rays, target, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
+    constexpr AskTarget<RoundedAny, Tally<RoundedAny>> ask = intersect_target<Form>;
+    intersect_batch<RoundedAny>(ask, marches<Form>, rays, target, hits);
 }
 
 /// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t of a ray and a solid of doubles, which
@@ -56,6 +57,20 @@ struct LiftedInputs {
     }
 };
 
+/// A form as what it answers to inputs in each of some numbers: of one type for all forms.
+template <class... T>
+struct AskInputs {
+    std::tuple<AskTarget<T, sdf::Unwatched>...> ask;
+
+    template <class X>
+    Hit<X> operator()(const LiftedInputs<X>& in) const {
+        sdf::Unwatched unwatched;
+        return std::get<AskTarget<X, sdf::Unwatched>>(ask)(in.ray, in.target.get(), in.tmax, unwatched, 0);
+    }
+};
+template <class Form, class... T>
+inline constexpr AskInputs<T...> ask_inputs{{intersect_target<Form, T, sdf::Unwatched>...}};
+
 template <class Form, class T>
 MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> in(ray, target, 0.0);
@@ -84,20 +99,23 @@ struct SampleMarks : sdf::Unwatched {
     }
 };
 
-template <class Form, class F>
-void evaluate_on(Tape& tape, const Ray<double>& ray, const Target<double>& target, double tmax) {
-    using T = Recorded<F>;
+template <class F, class T = Recorded<F>>
+void evaluate_on(AskTarget<T, SampleMarks<T>> ask, Tape& tape, const Ray<double>& ray, const Target<double>& target,
+                 double tmax) {
     const Tape::Scope scope(tape);
     const LiftedInputs<T> in(ray, target, tmax);
     SampleMarks<T> marks;
-    const Hit<T> hit = intersect_target<Form>(in.ray, in.target.get(), in.tmax, marks);
+    const Hit<T> hit = ask(in.ray, in.target.get(), in.tmax, marks, 0);
     tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
+
+template <class Form, class F, class T = Recorded<F>>
+inline constexpr AskTarget<T, SampleMarks<T>> ask_and_mark = intersect_target<Form>;
 
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
     tape.clear();
-    with_number(format, [&]<class F>() { evaluate_on<Form, F>(tape, ray, target, tmax); });
+    with_number(format, [&]<class F>() { evaluate_on<F>(ask_and_mark<Form, F>, tape, ray, target, tmax); });
 }
 
 /// Two samples of a march, and each refinement once or twice, are all that there is: what follows does the same again.
@@ -111,9 +129,9 @@ void record_all_of(const Target<double>& target, Tape& tape) {
         few.max_steps = 3;
         few.secant_steps = std::min(few.secant_steps, 2);
         few.bisect_steps = std::min(few.bisect_steps, 2);
-        evaluate_on<Form, float>(tape, any, Target<double>(target.solids, few), HUGE_VAL);
+        evaluate_on<float>(ask_and_mark<Form, float>, tape, any, Target<double>(target.solids, few), HUGE_VAL);
     } else {
-        evaluate_on<Form, float>(tape, any, target, HUGE_VAL);
+        evaluate_on<float>(ask_and_mark<Form, float>, tape, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
 }
@@ -137,11 +155,7 @@ std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format, co
 template <class Form>
 std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
                                         double tmax) {
-    const auto ask = [](const auto& in) {
-        sdf::Unwatched unwatched;
-        return intersect_target<Form>(in.ray, in.target.get(), in.tmax, unwatched);
-    };
-    return bounded_by(ask, format, ray, target, tmax);
+    return bounded_by(ask_inputs<Form, Bounded<float>, Bounded<double>>, format, ray, target, tmax);
 }
 
 /// Whether a form takes a watch that hears of wider arithmetic.
@@ -184,11 +198,7 @@ OperationCounts counted_by(const Ask& ask, const Ray<float>& ray, const Target<f
 
 template <class Form>
 OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
-    const auto ask = [](const auto& in) {
-        sdf::Unwatched unwatched;
-        return intersect_target<Form>(in.ray, in.target.get(), in.tmax, unwatched);
-    };
-    return counted_by(ask, ray, target, tmax);
+    return counted_by(ask_inputs<Form, Counted<float>>, ray, target, tmax);
 }
 
 }  // namespace lostbits::intersect::table

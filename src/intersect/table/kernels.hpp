@@ -1,13 +1,16 @@
 // How a form becomes a row: the loops around `Form::intersect`, once for all forms.
 #pragma once
 
+#include <concepts>
 #include <limits>
+#include <type_traits>
 
 #include "intersect/march.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/table/table.hpp"
 #include "intersect/table/union_field.hpp"
 #include "intersect/takes.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::intersect::table {
 
@@ -22,33 +25,42 @@ Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tma
             ray, [&solid = target.solids[which]](std::size_t k) -> const T& { return solid.numbers[k]; }, tmax);
 }
 
-/// `lift(S) -> T` brings a stored number into the arithmetic, `drop(T) -> S` takes the answer back, both exactly or
-/// with the one rounding that entering a narrower format costs.
-template <class Form, class T, class S, class Lift, class Drop>
-void intersect_batch(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits, Lift lift, Drop drop) {
-    const auto vec = [lift](S x, S y, S z) { return Vec<T>(lift(x), lift(y), lift(z)); };
-    const LiftedTarget<T> lifted(target, lift);
+/// `intersect_target` of a form, for what is compiled once for all forms.
+template <class T, class Watch>
+using AskTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
+
+/// T has the stored numbers exactly, or with the one rounding that entering a narrower format costs. `ask` is
+/// `intersect_target` of a form, `marches` whether the form does.
+template <class T, class S, class Ask, class Marches>
+void intersect_batch(const Ask& ask, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
+                     const HitBatch<S>& hits) {
+    const auto drop = [](const T& x) {
+        if constexpr (std::same_as<T, S>) return x;
+        else return as_double(x);
+    };
+    const auto vec = [](S x, S y, S z) { return Vec<T>(T(x), T(y), T(z)); };
+    const LiftedTarget<T> lifted(target, [](S x) { return T(x); });
     const Target<T> aim = lifted.get();
     const std::size_t step = aim.solids.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
-        const T tmax = lift(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
+        const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
-        const Hit<T> hit = intersect_target<Form>(ray, aim, tmax, tally, i * step);
+        const Hit<T> hit = ask(ray, aim, tmax, tally, i * step);
         hits.hit[i] = hit.hit;
         hits.t[i] = drop(hit.t);
         hits.near[i] = drop(hit.near);
         hits.far[i] = drop(hit.far);
-        if constexpr (marches<Form>) {
-            if (!hits.march.empty()) hits.march[i] = tally.record(hit, *aim.march, drop);
-        }
+        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *aim.march, drop);
     }
 }
 
 template <class Form, class T>
 void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
-    constexpr auto same = [](T x) { return x; };
-    intersect_batch<Form, T>(rays, target, hits, same, same);
+    const auto ask = [](const Ray<T>& ray, const Target<T>& aim, const T& tmax, Tally<T>& tally, std::size_t which) {
+        return intersect_target<Form>(ray, aim, tmax, tally, which);
+    };
+    intersect_batch<T>(ask, std::bool_constant<marches<Form>>(), rays, target, hits);
 }
 
 }  // namespace lostbits::intersect::table

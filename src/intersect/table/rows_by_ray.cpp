@@ -9,6 +9,7 @@ void fill_by_ray(std::span<Intersector> rows) {
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
         Intersector& row = rows[i++];
+        if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
         row.ball = enclosed<Form, Ball>;
         row.interval = enclosed<Form, Interval>;
         row.record = record_of<Form>;

@@ -1,4 +1,3 @@
-#include "intersect/table/arithmetics.hpp"
 #include "intersect/table/rows.hpp"
 
 namespace lostbits::intersect::table {
@@ -10,10 +9,7 @@ void fill_batches(std::span<Intersector> rows) {
         row.info = &Form::info;
         row.shape = shape_of<Form>;
         row.native32 = native_batch<Form, float>;
-        if constexpr (Form::info.formats == Formats::all) {
-            row.native64 = native_batch<Form, double>;
-            row.rounded = rounded_batch<Form>;
-        }
+        if constexpr (Form::info.formats == Formats::all) row.native64 = native_batch<Form, double>;
     });
 }
 

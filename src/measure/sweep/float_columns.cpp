@@ -92,7 +92,6 @@ Ray<float> AxisColumns::ray_for(const TestedForm& row, std::size_t i) const {
 void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
     const bool unit = row.form->info->direction == Direction::unit;
     if (unit) make_unit_directions();
-    if (!file_.solid_places.empty()) return answer_solids(row, t, hit);
     const std::size_t n = values_.size();
     const std::span<const float> tmax = tmax_.empty() ? tmax_ : std::span<const float>(tmax_).first(n);
     const RayBatch<float> batch{.ox = wide(0, unit),
@@ -102,39 +101,26 @@ void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<st
                                 .dy = wide(4, unit),
                                 .dz = wide(5, unit),
                                 .tmax = tmax};
-    intersect::simd::packed_kernels(*row.form).f32(
-        batch, intersect::Target<float>(file_.solid),
-        HitBatch<float>{t, std::span(near_).first(n), std::span(far_).first(n), hit});
+    const HitBatch<float> hits{t, std::span(near_).first(n), std::span(far_).first(n), hit};
+    if (file_.solid_places.empty())
+        intersect::simd::packed_kernels(*row.form).f32(batch, intersect::Target<float>(file_.solid), hits);
+    else answer_solids(row, batch, hits);
 }
 
 /// One ray against many solids has a kernel of packs with the same bits. One that is told where the ray ends does not
 /// tell a miss from a hit there.
-void AxisColumns::answer_solids(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
+void AxisColumns::answer_solids(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
+    const std::size_t n = values_.size();
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
-    if (!many.f32 || many.told_end || !file_.ray_places.empty()) return answer_one_by_one(row, t, hit);
+    if (!many.f32 || many.told_end || !file_.ray_places.empty()) {
+        std::vector<Solid<float>> solids(n);
+        std::ranges::transform(values_, solids.begin(), [&](float value) { return file_.solid_at(value); });
+        return row.form->native32(rays, intersect::Target<float>(std::span<const Solid<float>>(solids)), hits);
+    }
     intersect::simd::SolidArrays<float> solids;
     for (std::size_t k = 0; k < file_.solid.used().size(); ++k)
-        solids.numbers[k] =
-            solid_varies_[k] ? values_ : std::span<const float>(solid_columns_[k]).first(values_.size());
-    many.f32(ray_for(row, 0), solids, t, hit);
-}
-
-void AxisColumns::answer_one_by_one(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-        const Ray<float> ray = ray_for(row, i);
-        const Solid<float> solid = file_.solid_at(values_[i]);
-        const Vec<float>&o = ray.origin, &d = ray.direction;
-        row.form->native32(
-            RayBatch<float>{.ox = one(o.x),
-                            .oy = one(o.y),
-                            .oz = one(o.z),
-                            .dx = one(d.x),
-                            .dy = one(d.y),
-                            .dz = one(d.z),
-                            .tmax = tmax_.empty() ? std::span<const float>{} : one(tmax_.front())},
-            intersect::Target<float>(solid),
-            HitBatch<float>{t.subspan(i, 1), std::span(near_).first(1), std::span(far_).first(1), hit.subspan(i, 1)});
-    }
+        solids.numbers[k] = solid_varies_[k] ? values_ : std::span<const float>(solid_columns_[k]).first(n);
+    many.f32(ray_for(row, 0), solids, hits.t, hits.hit);
 }
 
 namespace {

@@ -40,8 +40,8 @@ public:
 private:
     void make_unit_directions();
     [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
-    void answer_solids(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
-    void answer_one_by_one(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
+    void answer_solids(const evaluate::TestedForm& row, const intersect::table::RayBatch<float>& rays,
+                       const intersect::table::HitBatch<float>& hits);
 
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;
