@@ -65,7 +65,7 @@ TEST_CASE("a chain of remainders sees a torus where there is none, however wide 
 
 TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding", "[intersect][torus][formula]") {
     // Through the hole of a torus that has hardly one: where |d1| < 1e-4 its root is taken to be 0.
-    testing::Seeded rng(0x7051);
+    test::Seeded rng(0x7051);
     int asked = 0, off = 0;
     double most = 0;
     for (int i = 0; i < 300; ++i) {
@@ -88,7 +88,7 @@ TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding
 }
 
 TEST_CASE("what half an ulp of each number moves t of a torus by is within its reach", "[truth][torus]") {
-    testing::Seeded rng(0x706);
+    test::Seeded rng(0x706);
     Chance chance(9);
     int asked = 0, wide = 0;
     double share = 0;

@@ -26,7 +26,7 @@ inline constexpr std::array<std::string_view, 12> sphere_families{"near",    "gr
                                                                   "lattice", "tangent to the bit",
                                                                   "between", "beside tangent by a last place"};
 
-inline constexpr std::array<std::string_view, 8> box_families{
+inline constexpr std::array<std::string_view, 8> hostile_box_families{
     "inside", "edges and corners", "edges by a last place", "far",
     "flat",   "lattice",           "lattice, on a face",    "magnitudes"};
 
@@ -59,7 +59,7 @@ public:
     }
 
     HostileRay box(std::size_t family) {
-        const std::string_view name = box_families.at(family);
+        const std::string_view name = hostile_box_families.at(family);
         const bool whole = name.starts_with("lattice");
         const auto place = [&](double s) { return whole ? whole_number(4) : stored(s * (2 * random_.unit() - 1)); };
         Vec<double> lo(0, 0, 0), hi(0, 0, 0), aim(0, 0, 0), d(0, 0, 0), o(0, 0, 0);

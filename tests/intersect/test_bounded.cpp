@@ -78,8 +78,8 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
         Random scales(seed << 32 | b);
         for (std::uint64_t i = 0; i < std::min(block, rays - b * block); ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
-            HostileRay x =
-                as_box ? draw.box((b + i) % box_families.size()) : draw.sphere((b + i) % sphere_families.size());
+            HostileRay x = as_box ? draw.box((b + i) % hostile_box_families.size())
+                                  : draw.sphere((b + i) % sphere_families.size());
             // What is hostile to a sphere is to a solid around the same centre.
             if (!as_box && form.shape != Shape::sphere)
                 x.solid = transformed(solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]),

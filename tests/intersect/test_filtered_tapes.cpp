@@ -90,8 +90,8 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
         Shares shares = form.shape != Shape::torus ? Shares{3, 1} : Shares{b % 4 == 0 ? 1 : 0, 0};
         for (std::uint64_t i = 0; i < block; ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
-            HostileRay x =
-                as_box ? draw.box((b + i) % box_families.size()) : draw.sphere((b + i) % sphere_families.size());
+            HostileRay x = as_box ? draw.box((b + i) % hostile_box_families.size())
+                                  : draw.sphere((b + i) % sphere_families.size());
             if (form.shape == Shape::triangle) x = at_triangle(x);
             else if (!asks_steps(form))
                 x.solid = solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]);

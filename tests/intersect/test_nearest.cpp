@@ -11,7 +11,7 @@
 namespace lostbits::test::test_nearest {
 namespace {
 
-using testing::Seeded;
+using test::Seeded;
 
 const Real tolerance = ldexp(Real(1), -200);
 

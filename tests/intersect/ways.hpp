@@ -10,7 +10,7 @@
 #include "intersect/hull/hulls.hpp"
 #include "intersect/space/space.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 template <class Row>
 const Row& row_named(std::span<const Row> rows, std::string_view name) {
@@ -25,4 +25,4 @@ inline const intersect::hull::HullWay& hull_named(std::string_view name) {
     return row_named(intersect::hull::hulls(), name);
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

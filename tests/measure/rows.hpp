@@ -17,7 +17,7 @@
 #include "scene/file/scene.hpp"
 #include "scratch.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 inline const intersect::table::Intersector& form_named(std::string_view name) {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
@@ -75,4 +75,4 @@ struct Threads {
     tbb::global_control control;
 };
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -12,7 +12,7 @@
 #include "shapes/box/box.hpp"
 #include "shapes/sphere/sphere.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// The engine's sequence is fixed by the standard; its distributions are not, so these are ours.
 class Seeded {
@@ -71,4 +71,4 @@ inline double nudged(double x, std::int64_t ulps, const FloatFormat& f) {
     return std::copysign(std::bit_cast<double>(std::clamp<std::int64_t>(size, 0, 0x7fefffffffffffff)), x);
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// Calls `run(isa)` with each that the processor has in use, the one of single numbers first.
 template <class Run>
@@ -18,4 +18,4 @@ void at_every_width(const Run& run) {
     intersect::simd::set_isa(before);
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

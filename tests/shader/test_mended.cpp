@@ -63,13 +63,13 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
                      std::vector{"sphere.half_b", "sphere.unit_half_b", "sphere.kahan_discriminant"}),
           std::tuple("box", "box-slabs", std::vector{"box.baseline"}),
           std::tuple("triangle", "triangle-far", std::vector{"triangle.undivided"})}) {
-        const auto scene = testing::load(scene_name, 40, 30);
+        const auto scene = test::load(scene_name, 40, 30);
         const Scratch folder;
         std::vector<Case> cases;
         std::string words;
         for (const char* const form_name : forms) {
             if (!is_long() && std::string(form_name) != "sphere.half_b") continue;  // all of them take half a minute
-            const auto& form = testing::form_named(form_name);
+            const auto& form = test::form_named(form_name);
             const Tape plain = tape::tape_of(form, *find_format("f32"));
             for (const auto& [arithmetic, wider] :
                  {std::pair("plain", binary32), std::pair("double", binary64), std::pair("pair", tape::two_floats)}) {
@@ -120,7 +120,7 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
 }
 
 TEST_CASE("shader bits: what GLSL has not is refused with what has it", "[shader-device]") {
-    const auto& form = testing::form_named("sphere.kahan_discriminant");
+    const auto& form = test::form_named("sphere.kahan_discriminant");
     const Tape plain = tape::tape_of(form, *find_format("f32"));
     const auto code = [&](const Tape& made) {
         return output::mend::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .comment = {}});

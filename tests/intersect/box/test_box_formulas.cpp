@@ -10,7 +10,7 @@
 
 namespace lostbits::test::test_box_formulas {
 
-using testing::BoxSample;
+using test::BoxSample;
 
 namespace {
 
@@ -25,9 +25,9 @@ bool hits(const intersect::table::Intersector& form, const BoxSample& s) {
 TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "[intersect][box][formula]") {
     std::map<std::string_view, long> misses;
     long met = 0;
-    testing::Seeded rng(0xed9e);
+    test::Seeded rng(0xed9e);
     const auto* const at_edge =
-        std::ranges::find(testing::box_families, std::string_view("at edge"), &testing::BoxFamily::name);
+        std::ranges::find(test::box_families, std::string_view("at edge"), &test::BoxFamily::name);
     for (int i = 0; i < 60000; ++i) {
         const BoxSample s = at_edge->make(rng, binary32);
         if (ray_in_box(exactly(s.ray, s.box, s.tmax), true).is_empty()) continue;

@@ -23,10 +23,10 @@ using intersect::table::Intersector;
 using measure::answer::ask_one;
 using measure::answer::Level;
 using measure::answer::levels_of;
+using test::BoxSample;
+using test::hull_named;
 using test::Rational;
-using testing::BoxSample;
-using testing::hull_named;
-using testing::Seeded;
+using test::Seeded;
 using Point = std::array<Rational, 3>;
 
 namespace {
@@ -62,8 +62,8 @@ TEST_CASE("a row behind a box is called by all its parts, and refuses what has n
     CHECK(intersect::hull::has_box(row));
     CHECK_FALSE(intersect::hull::has_box(sphere));
 
-    const Intersector& two = behind(hull_named("pbrt"), form("box.pbrt_padded"),
-                                    intersect::space::through(testing::space_named("pbrt"), row));
+    const Intersector& two =
+        behind(hull_named("pbrt"), form("box.pbrt_padded"), intersect::space::through(test::space_named("pbrt"), row));
     CHECK(two.info->name == "sphere.unified^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(two.shapes() == Shapes(Shape::sphere).placed());
     CHECK(&intersect::hull::innermost(two) == &sphere);
@@ -137,7 +137,7 @@ bool is_any(const Vec<double>&) { return true; }
 Culls culls_in(const std::vector<std::string_view>& families, const std::vector<const char*>& boxes, int rays,
                bool (*counts)(const Vec<double>&)) {
     Culls found;
-    for (const testing::BoxFamily& family : testing::box_families) {
+    for (const test::BoxFamily& family : test::box_families) {
         if (std::ranges::find(families, family.name) == families.end()) continue;
         Seeded r(0x41);
         for (int n = 0; n < rays; ++n) {
@@ -229,7 +229,7 @@ TEST_CASE("parallel to an axis only reciprocals that are not made up lose nothin
 }
 
 TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
-    const auto& plain = testing::space_named("plain");
+    const auto& plain = test::space_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box, const char* hull) {
         const Intersector& in = behind(intersect::hull::usual_hull(), form(object_box), form(inner));
         return &behind(hull_named(hull), form(world_box), intersect::space::through(plain, in));
@@ -272,7 +272,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
         solid.placed = transformed(Placement<double>{{c, -sn, 0, x, sn, c, 0, 0, 0, 0, 1, 0}, false, 1},
                                    [](double m) { return rounding::to_format(m, 0, binary32); });
         const Vec<double> edge = solid.placed->map().point({0.5, 0.5, r.uniform(-0.4, 0.4)}), d = r.vec(-1, 1);
-        const Ray<double> ray{testing::stored(Vec<double>(edge - 4.0 * d), binary32), testing::stored(d, binary32)};
+        const Ray<double> ray{test::stored(Vec<double>(edge - 4.0 * d), binary32), test::stored(d, binary32)};
         if (!measure::truth::find_truth(ray, solid).is_hit()) continue;
         const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", "outward");
         const auto levels = levels_of(asked, f32, ray, solid, {});

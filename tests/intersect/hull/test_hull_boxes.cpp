@@ -18,9 +18,9 @@ namespace test_hull_boxes {
 using namespace lostbits;
 using intersect::hull::hulls;
 using intersect::hull::HullWay;
+using test::hull_named;
 using test::Rational;
-using testing::hull_named;
-using testing::Seeded;
+using test::Seeded;
 using Point = std::array<Rational, 3>;
 
 namespace {
@@ -160,7 +160,7 @@ TEST_CASE("rays that truly hit a solid truly hit its box, no later", "[hull]") {
         for (int n = 0; n < 300; ++n) {
             const Solid<double> solid = stored(solid_around<double>(row.shape, r.vec(-3, 3), r.uniform(0.2, 1)), f32);
             const Vec<double> aim = r.vec(-4, 4), from = r.vec(-9, 9);
-            const Ray<double> ray{testing::stored(from, binary32), testing::stored(aim - from, binary32)};
+            const Ray<double> ray{test::stored(from, binary32), test::stored(aim - from, binary32)};
             const auto truth = measure::truth::find_truth(ray, solid);
             if (!truth.is_hit()) continue;
             const Hull<double> box = hull_named("outward").in(f32, solid);

@@ -17,8 +17,8 @@ using namespace lostbits;
 using intersect::hull::behind;
 using intersect::table::Intersector;
 using measure::answer::ask_one;
-using testing::hull_named;
-using testing::Seeded;
+using test::hull_named;
+using test::Seeded;
 
 namespace {
 
@@ -39,10 +39,10 @@ TEST_CASE("a hit is found from its margin on and not before, and only padded end
     std::map<std::string_view, double> most;
     for (int n = 0; n < test::draws(4000); ++n) {
         // Triangles that fill a face of a flat box: the hit lies on the plane that the box is entered by.
-        const Vec<double> at = testing::stored(r.vec(0.5, 2), binary32);
+        const Vec<double> at = test::stored(r.vec(0.5, 2), binary32);
         const double x = at.x, y = at.y, z = at.z;
         const Solid<double> solid = stored(Triangle<double>{{x, y, z}, {x, y + 4, z}, {x, y, z + 4}});
-        const Ray<double> ray{testing::stored(r.vec(-8, -1), binary32), testing::stored(r.vec(0.5, 1), binary32)};
+        const Ray<double> ray{test::stored(r.vec(-8, -1), binary32), test::stored(r.vec(0.5, 1), binary32)};
         for (const char* box : {"box.signs", "box.pbrt_padded", "box.embree_robust", "box.tinybvh"}) {
             const Intersector& row = behind(intersect::hull::usual_hull(), form(box), form("triangle.filtered"));
             const auto t = ask_one(row, f32, ray, solid, HUGE_VAL);
@@ -63,15 +63,15 @@ TEST_CASE("a hit is found from its margin on and not before, and only padded end
 
 TEST_CASE("the tape behind a box answers as its kernel, and its inputs have names", "[hull]") {
     Seeded r(78);
-    const auto& plain = testing::space_named("plain");
+    const auto& plain = test::space_named("plain");
     int hits = 0, culled = 0;
     for (int n = 0; n < test::draws(2000); ++n) {
         Solid<double> solid = stored(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)});
         for (const bool placed : {false, true}) {
             if (placed) solid.placed = Placement<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
             const Vec<double> middle = placed ? solid.placed->map().point(solid.point(0)) : solid.point(0);
-            const Vec<double> origin = testing::stored(r.vec(-6, 6), binary32);
-            const Ray<double> ray{origin, testing::stored(Vec<double>(middle + r.vec(-2, 2) - origin), binary32)};
+            const Vec<double> origin = test::stored(r.vec(-6, 6), binary32);
+            const Ray<double> ray{origin, test::stored(Vec<double>(middle + r.vec(-2, 2) - origin), binary32)};
             const Intersector& inner = behind(hull_named("nearest"), form("box.signs"), form("sphere.unified"));
             const Intersector& row =
                 placed ? behind(hull_named("pbrt"), form("box.pbrt_padded"), intersect::space::through(plain, inner))

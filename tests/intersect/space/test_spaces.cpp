@@ -20,7 +20,7 @@ using intersect::space::Space;
 using intersect::space::spaces;
 using intersect::space::through;
 using intersect::table::Intersector;
-using testing::Seeded;
+using test::Seeded;
 
 namespace {
 

@@ -21,9 +21,9 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
         int hits = 0;
     };
     std::map<std::string_view, Sum> sums;
-    testing::Seeded rng(0xacc);
+    test::Seeded rng(0xacc);
     for (int i = 0; i < 400; ++i) {
-        const auto stored = [](const Vec<double>& v) { return testing::stored(v, binary32); };
+        const auto stored = [](const Vec<double>& v) { return test::stored(v, binary32); };
         const Vec<double> centre = stored(rng.vec(-3, 3)), towards = rng.vec(-1, 1), side = rng.vec(-1, 1);
         const double radius = static_cast<float>(rng.uniform(0.25, 4));
         const double away = radius * rng.uniform(nearest, farthest) / length(towards);

@@ -11,7 +11,7 @@
 
 namespace lostbits::test {
 
-using testing::Seeded;
+using test::Seeded;
 
 struct TriangleSample {
     Ray<double> ray;
@@ -175,7 +175,7 @@ inline const TriangleFamily triangle_families[] = {
 /// Every number rounded to binary32: those of constructed rays are short, and stay.
 inline TriangleSample in_floats(TriangleSample s) {
     for (Vec<double>* const p : {&s.ray.origin, &s.ray.direction, &s.triangle.a, &s.triangle.b, &s.triangle.c})
-        *p = testing::stored(*p, binary32);
+        *p = test::stored(*p, binary32);
     return s;
 }
 

@@ -31,8 +31,8 @@ using measure::apriori::see;
 using measure::apriori::SeenErrors;
 using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
+using test::form_named;
 using test::Random;
-using testing::form_named;
 
 namespace {
 
@@ -112,15 +112,16 @@ TEST_CASE("no ray in a box is off by more than its bound - spheres", "[apriori]"
 
 TEST_CASE("no ray in a box is off by more than its bound - boxes", "[apriori]") {
     for (const char* const name : boxes)
-        check_form(name, test::box_families.size(), [](const Format& format, std::size_t family, Random& random) {
-            return hostile(format, random, [family](auto rays) { return rays.box(family); });
-        });
+        check_form(name, test::hostile_box_families.size(),
+                   [](const Format& format, std::size_t family, Random& random) {
+                       return hostile(format, random, [family](auto rays) { return rays.box(family); });
+                   });
 }
 
 TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori]") {
     for (const char* const name : triangles)
         check_form(name, std::size(test::triangle_families), [](const Format&, std::size_t family, Random& random) {
-            testing::Seeded rng(random.bits());
+            test::Seeded rng(random.bits());
             const auto s = test::in_floats(test::triangle_families[family].make(rng));
             return test::HostileRay{s.ray, s.triangle, HUGE_VAL};
         });
@@ -128,7 +129,7 @@ TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori
 
 namespace {
 
-scene::file::Scene scene_named(const std::string& id) { return testing::scene_named(id, std::pair{24, 24}); }
+scene::file::Scene scene_named(const std::string& id) { return test::scene_named(id, std::pair{24, 24}); }
 
 RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
     return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});

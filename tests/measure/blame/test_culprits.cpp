@@ -113,7 +113,7 @@ TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves
 }
 
 TEST_CASE("categories go by how often they are to blame", "[culprits]") {
-    const scene::file::Scene scene = testing::scene_named("near-benign", std::pair{60, 40});
+    const scene::file::Scene scene = test::scene_named("near-benign", std::pair{60, 40});
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))

@@ -16,8 +16,8 @@ using measure::answer::OneRay;
 using measure::answer::Outcome;
 using measure::blame::Explanation;
 using measure::blame::Standing;
-using testing::form_named;
-using testing::scene_named;
+using test::form_named;
+using test::scene_named;
 
 namespace {
 

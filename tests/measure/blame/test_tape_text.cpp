@@ -16,7 +16,7 @@ using measure::blame::TapeText;
 namespace {
 
 struct Recording {
-    explicit Recording(std::string_view name) : form(testing::form_named(name)) {
+    explicit Recording(std::string_view name) : form(test::form_named(name)) {
         Random random(3);
         setting = draw_setting(random, form, *find_format("f32"), 1);
         form.record(*find_format("f32"), setting.ray, setting.target(form), HUGE_VAL, tape);

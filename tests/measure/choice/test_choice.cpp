@@ -15,11 +15,11 @@ namespace lostbits::test::test_choice {
 using namespace lostbits::measure::choice;
 using measure::evaluate::TestedForm;
 using scene::file::Scene;
-using testing::row;
+using test::row;
 
 namespace {
 
-Scene scene_named(const std::string& name) { return testing::load(name, 48, 48); }
+Scene scene_named(const std::string& name) { return test::load(name, 48, 48); }
 
 ChoiceRequest request_of(const Scene& scene, double bits) {
     ChoiceRequest request{.scene = &scene};

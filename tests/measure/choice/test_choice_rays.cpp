@@ -19,9 +19,7 @@ using scene::test::Columns;
 
 namespace {
 
-Scene scene_of_choice(const char* name, std::pair<int, int> size = {64, 48}) {
-    return testing::scene_named(name, size);
-}
+Scene scene_of_choice(const char* name, std::pair<int, int> size = {64, 48}) { return test::scene_named(name, size); }
 
 Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::size_t to) {
     Columns columns;
@@ -82,8 +80,7 @@ TEST_CASE("rays of files are worth what the scene is that they come from, whethe
     const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign");
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
-    ChoiceRequest request =
-        wish_of(16, {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.unified", "f64")});
+    ChoiceRequest request = wish_of(16, {test::row("sphere.schoolbook", "f32"), test::row("sphere.unified", "f64")});
     request.scene = &scene;
     const auto expected = worth_of(request);
     request.scene = nullptr;
@@ -123,7 +120,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
         for (std::size_t k = 0; k < 10; ++k) columns.numbers[k].push_back(numbers[k]);
     }
     const auto dump = opened(written(folder, "long", columns), true);
-    ChoiceRequest request = wish_of(8, {testing::row("sphere.schoolbook", "f32")});
+    ChoiceRequest request = wish_of(8, {test::row("sphere.schoolbook", "f32")});
     const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
     CHECK(judged.rays == rays);
     CHECK(judged.worth.front().hits == rays);
@@ -203,7 +200,7 @@ TEST_CASE("at the edge of the room of rays the wish holds, and just beyond it fa
     FileRays rays;
     rays.format = *find_format("f32");
     rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_solids(scene)};
-    const TestedForm row = testing::row("sphere.schoolbook", "f32");
+    const TestedForm row = test::row("sphere.schoolbook", "f32");
     ChoiceRequest request = wish_of(14, {row});
     request.rays = &rays;
     const auto rooms = rooms_of(request, row);
@@ -228,7 +225,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
     // 8.5, off by 0.03, in ulps of binary64 (2^-49 at 8.53) 2^43.94: 8.059 of 53 bits are left. A quantile of lost bits
     // is known to 2^-11 of itself.
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
-    const TestedForm row = testing::row("sphere.unified", "f32");
+    const TestedForm row = test::row("sphere.unified", "f32");
     ChoiceRequest request = wish_of(16, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
@@ -247,7 +244,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
 }
 
 TEST_CASE("what stands in the way: format, problem and formula are told apart") {
-    const TestedForm row = testing::row("sphere.unified", "f32");
+    const TestedForm row = test::row("sphere.unified", "f32");
     // Every number is one of binary32, and the ray starts far away: half an ulp in the centre costs bits all the same.
     const Scene far = one_ray("0", "1048576", "1048575");
     ChoiceRequest request = wish_of(16, {row});
@@ -262,7 +259,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     CHECK(find_obstacle(request, row).cause == Obstacle::Cause::width);
     // Some 18 bits are kept where half an ulp in each input would leave 20: neither is 23, but the formula loses more.
     const Scene benign = scene_of_choice("near-benign");
-    const TestedForm lossy = testing::row("sphere.schoolbook", "f32");
+    const TestedForm lossy = test::row("sphere.schoolbook", "f32");
     request = wish_of(23, {lossy});
     request.scene = &benign;
     const Obstacle loses = find_obstacle(request, lossy);
@@ -274,7 +271,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     CHECK(loses.exact.kept_bits == 53);
     // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
     const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
-    const TestedForm schoolbook = testing::row("sphere.schoolbook", "f32");
+    const TestedForm schoolbook = test::row("sphere.schoolbook", "f32");
     request = wish_of(4, {schoolbook});
     request.scene = &oblique;
     const Obstacle formula = find_obstacle(request, schoolbook);
@@ -285,7 +282,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
 
 TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
-    const TestedForm row = testing::row("sphere.unified", "f64");
+    const TestedForm row = test::row("sphere.unified", "f64");
     ChoiceRequest request = wish_of(48, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
@@ -298,7 +295,7 @@ TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
 
 TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {
     const Scene scene = scene_of_choice("near-benign", {32, 24});
-    const TestedForm row = testing::row("sphere.double_inside", "f32");
+    const TestedForm row = test::row("sphere.double_inside", "f32");
     const auto safe = safe_offsets(scene, row);
     REQUIRE(safe);
     CHECK(safe->points > 100);

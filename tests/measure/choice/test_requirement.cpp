@@ -15,12 +15,12 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-scene::file::Scene small_scene(const char* name) { return testing::load(name, 40, 30); }
+scene::file::Scene small_scene(const char* name) { return test::load(name, 40, 30); }
 
 std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
     std::vector<TestedForm> rows;
     for (const char* form : forms)
-        for (const char* format : formats) rows.push_back(testing::row(form, format));
+        for (const char* format : formats) rows.push_back(test::row(form, format));
     return rows;
 }
 

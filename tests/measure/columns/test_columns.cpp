@@ -24,7 +24,7 @@ namespace {
 /// Runs `at_width()` at every width but that of single numbers, which leaves everything.
 template <class Run>
 void in_registers(const Run& at_width) {
-    testing::at_every_width([&](intersect::simd::Isa isa) {
+    test::at_every_width([&](intersect::simd::Isa isa) {
         if (isa != intersect::simd::Isa::scalar) at_width();
     });
 }

@@ -102,7 +102,7 @@ double compare(const Scene& s) {
 }  // namespace
 
 TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns]") {
-    testing::at_every_width([](intersect::simd::Isa isa) {
+    test::at_every_width([](intersect::simd::Isa isa) {
         if (isa == intersect::simd::Isa::scalar) return;
         Random random(1122);
         for (const char* name : {"f32", "f64"}) {

@@ -12,7 +12,7 @@ namespace test_checks {
 using namespace lostbits;
 using namespace lostbits::measure::consistency;
 using measure::truth::Truth;
-using testing::form_named;
+using test::form_named;
 
 namespace {
 

@@ -13,8 +13,8 @@ using namespace lostbits;
 using namespace lostbits::measure::consistency;
 using intersect::table::HitBatch;
 using intersect::table::RayBatch;
-using testing::load;
-using testing::row;
+using test::load;
+using test::row;
 
 namespace {
 
@@ -39,28 +39,28 @@ CheckSummary one(const std::string& scene, std::string_view form, std::string_vi
 
 /// `half_b`, but in batches the ray of pixel (5, 6) of 16 x 12 is a miss.
 void forgets_one(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    test::form_named("sphere.half_b").native32(rays, target, hits);
     if (rays.size() > 1) hits.hit[rays.size() / 2 + 5] = 0;
 }
 /// `half_b`, but in batches t is one float further.
 void drifts(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    test::form_named("sphere.half_b").native32(rays, target, hits);
     if (rays.size() == 1) return;
     for (float& t : hits.t) t = std::nextafter(t, HUGE_VALF);
 }
 /// `half_b`, but rays that go to +x hit nothing: a decision that depends on the way.
 void one_way_only(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    test::form_named("sphere.half_b").native32(rays, target, hits);
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] &= static_cast<std::uint8_t>(rays.dx[i] <= 0);
 }
 /// `half_b`, but its far side lies before its t, as where two roots were exchanged.
 void exchanged(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    test::form_named("sphere.half_b").native32(rays, target, hits);
     for (std::size_t i = 0; i < rays.size(); ++i) std::swap(hits.t[i], hits.far[i]);
 }
 /// `half_b`, but hits are at NaN.
 void nowhere(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    test::form_named("sphere.half_b").native32(rays, target, hits);
     for (auto& all : {hits.t, hits.near, hits.far}) std::ranges::fill(all, NAN);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("consistency: every form in packs and alone, and what every summary ke
         std::vector<measure::evaluate::TestedForm> rows;
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             if (!scene.meets(shape)) continue;
-            for (const auto& r : testing::all_rows(shape, {"f32", "f64", "bf16"})) rows.push_back(r);
+            for (const auto& r : test::all_rows(shape, {"f32", "f64", "bf16"})) rows.push_back(r);
         }
         const auto all = run(scene, rows);
         for (std::size_t r = 0; r < rows.size(); ++r) {

@@ -12,7 +12,7 @@
 namespace test_nearest {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using lostbits::test::Scratch;
 using measure::answer::Outcome;
 using measure::edges::EdgeFinding;

@@ -38,7 +38,7 @@ scene::file::Scene scene_named(const std::string& name, StopToken stop = {}) {
 
 std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
     return measure::evaluate::evaluate_rows({.scene = &scene,
-                                             .rows = {testing::row("sphere.schoolbook", "f32")},
+                                             .rows = {test::row("sphere.schoolbook", "f32")},
                                              .metrics = {&metric},
                                              .limit = {.stop = stop}},
                                             {});
@@ -81,15 +81,15 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     const measure::truth::TruthLimit limit{.stop = stop};
     const std::filesystem::path data = LOSTBITS_DATA_DIR, sweeps = data / "sweeps";
     const auto scene = scene_named("raycast-acne");
-    const measure::evaluate::TestedForm row = testing::row("sphere.half_b", "f32");
+    const measure::evaluate::TestedForm row = test::row("sphere.half_b", "f32");
     const std::vector<measure::evaluate::TestedForm> rows{row};
-    const auto& metrics = testing::case_metrics;
+    const auto& metrics = test::case_metrics;
     const scene::sweep::SweepFile sweep(sweeps / "sphere-distance.toml", data);
     const scene::sweep::CaseFile cases(sweeps / "extremes/contact.toml");
     const scene::sweep::ExhaustiveFile floats(sweeps / "exhaustive-distance.toml", LOSTBITS_DATA_DIR);
     const scene::sweep::SearchFile search(sweeps / "worst/near.toml");
     measure::sweep::ExhaustiveState state;
-    const testing::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
+    const test::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
     const auto open = [&](StopToken token) {
         return scene::dump::open_dump(
             file.path(), {.container = scene::dump::Container::csv, .solid = Shape::sphere, .stop = token});

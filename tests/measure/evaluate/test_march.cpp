@@ -14,7 +14,7 @@ using measure::evaluate::EvaluationRequest;
 
 namespace {
 
-scene::file::Scene scene_of(const std::string& name, int size) { return testing::load(name, size, size); }
+scene::file::Scene scene_of(const std::string& name, int size) { return test::load(name, size, size); }
 
 std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& scene,
                                                    std::initializer_list<const char*> formats) {

@@ -57,7 +57,7 @@ public:
             // A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
             for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
                 const std::size_t s = in.candidates->solid(pair);
-                if (testing::asked_alone(row_, ray, in.solids[s])) claimed.push_back(s);
+                if (test::asked_alone(row_, ray, in.solids[s])) claimed.push_back(s);
             }
             wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
             const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;
@@ -140,7 +140,7 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
             .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
                                  "triangle.havel_herout", "triangle.filtered"})
-            request.rows.push_back(testing::row(form, "f32"));
+            request.rows.push_back(test::row(form, "f32"));
         std::vector<Recount> again;
         const Meetings meetings(scene);
         for (const auto& row : request.rows) again.emplace_back(row, meetings);

@@ -16,7 +16,7 @@ using namespace lostbits::measure::evaluate;
 using measure::answer::Outcome;
 using measure::truth::exactly;
 using measure::truth::Truth;
-using testing::load;
+using test::load;
 
 namespace {
 
@@ -70,10 +70,10 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
         const scene::file::Scene scene = load(name, 20, 14);
         // Of both conventions on touching, and one that is given unit directions.
         for (const char* which : {"sphere.schoolbook", "sphere.unified", "sphere.factored_c", "sphere.unit_half_b"}) {
-            const auto maps = map_of(scene, testing::form_named(which), every_width());
+            const auto maps = map_of(scene, test::form_named(which), every_width());
             for (const int bits : {1, 12, 20, 52}) {
                 INFO(name << ' ' << which << ' ' << bits);
-                const auto values = needed_of(scene, testing::form_named(which), bits);
+                const auto values = needed_of(scene, test::form_named(which), bits);
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
@@ -104,7 +104,7 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
         NeededSummary summary;
         for (int bits = 1; bits <= 52; ++bits) {
             INFO(which << ' ' << bits);
-            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
+            const auto values = needed_of(scene, test::form_named(which), bits, &summary);
             CHECK(std::equal(before.begin(), before.end(), values.begin(), std::less_equal<>()));
             CHECK(std::all_of(summary.hits.begin(), summary.hits.begin() + bits, [](auto n) { return n == 0; }));
             CHECK(summary.pixels() == 24 * 18);
@@ -115,9 +115,9 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
 
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
-    const std::vector<const intersect::table::Intersector*> forms{&testing::form_named("sphere.schoolbook"),
-                                                                  &testing::form_named("sphere.unit_half_b"),
-                                                                  &testing::form_named("sphere.unified")};
+    const std::vector<const intersect::table::Intersector*> forms{&test::form_named("sphere.schoolbook"),
+                                                                  &test::form_named("sphere.unit_half_b"),
+                                                                  &test::form_named("sphere.unified")};
     std::vector<std::vector<double>> together(3);
     std::uint64_t done = 0;
     NeededRequest request{.scene = scene, .forms = forms, .bits = 16};
@@ -147,8 +147,8 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     hit.distance = exactly(8);
     hit.object = 3;
     open.decision = Truth::Decision::unresolved;
-    const intersect::Info& any = *testing::form_named("sphere.schoolbook").info;
-    const intersect::Info& unit = *testing::form_named("sphere.unit_half_b").info;
+    const intersect::Info& any = *test::form_named("sphere.schoolbook").info;
+    const intersect::Info& unit = *test::form_named("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
     CHECK(suffices(hit, any, 12, {true, 4}, 12));
     CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
@@ -181,7 +181,7 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =
-        measure_needed({.scene = none, .forms = {&testing::form_named("sphere.unified")}, .bits = 12}, band);
+        measure_needed({.scene = none, .forms = {&test::form_named("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
     CHECK(results[0].needed[1] <= most_width);
     NeededSummary summary;

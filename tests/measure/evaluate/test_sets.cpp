@@ -18,7 +18,7 @@ using intersect::table::Intersector;
 using measure::answer::Answers;
 using measure::truth::Band;
 using measure::truth::Truth;
-using testing::form_named;
+using test::form_named;
 
 namespace {
 

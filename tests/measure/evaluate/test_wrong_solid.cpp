@@ -35,10 +35,10 @@ public:
 }  // namespace
 
 TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured there", "[outcome]") {
-    const auto scene = testing::load("rtg-fig-7-6-far", 96, 96);
+    const auto scene = test::load("rtg-fig-7-6-far", 96, 96);
     const measure::evaluate::EvaluationRequest request{
         .scene = &scene,
-        .rows = {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.schoolbook", "f64")},
+        .rows = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
     Recount single, wide;
     const auto summaries = measure::evaluate::evaluate_rows(request, {&single, &wide});

@@ -82,7 +82,7 @@ bool computes(const Tape& tape, NodeId i, NodeId of) {
 }
 
 const Tape& tape_named(const char* name, Tape& kept) {
-    return kept = tape::tape_of(testing::form_named(name), *find_format("f32"));
+    return kept = tape::tape_of(test::form_named(name), *find_format("f32"));
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]"
     Numbers numbers(7);
     int hits = 0;
     for (int ray = 0; ray < 40; ++ray) {
-        const auto inputs = inputs_of(testing::form_named("sphere.schoolbook"), numbers, 0);
+        const auto inputs = inputs_of(test::form_named("sphere.schoolbook"), numbers, 0);
         const Tape a = filled(before, inputs, true), b = filled(after, inputs, true);
         CHECK(a[a.outputs.hit].value == b[b.outputs.hit].value);
         if (a[a.outputs.hit].value == 0) continue;
@@ -129,10 +129,10 @@ TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]"
 }
 
 TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
-    const auto scene = testing::scene_named("near-benign", std::pair{16, 16});
+    const auto scene = test::scene_named("near-benign", std::pair{16, 16});
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
-    const RaySample sample({.scene = &scene, .row = testing::row("sphere.schoolbook", "f32")});
+    const RaySample sample({.scene = &scene, .row = test::row("sphere.schoolbook", "f32")});
     CHECK(sample.agree(before, before));
     for (NodeId i = 0; i < before.size(); ++i) {
         Tape wrong = before;

@@ -9,7 +9,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "scene/dump/dump_writer.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 inline const std::vector<const measure::metric::Metric*> all_metrics{
     measure::metric::find_metric("lost_bits"),      measure::metric::find_metric("ulp_error"),
@@ -51,4 +51,4 @@ inline void require_same(const measure::evaluate::FormSummary& a, const measure:
     if (a.fault()) CHECK(a.fault()->x == b.fault()->x);
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

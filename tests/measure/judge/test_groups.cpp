@@ -8,10 +8,10 @@ using namespace lostbits;
 using namespace lostbits::measure;
 using judge::JudgeRequest, judge::JudgeResult;
 using scene::test::Columns;
-using testing::add_answers, testing::all_metrics, testing::ray_columns, testing::require_same;
+using test::add_answers, test::all_metrics, test::ray_columns, test::require_same;
 
 TEST_CASE("what a summary has of a group is what it has of those rays alone") {
-    const evaluate::TestedForm row = testing::row("sphere.press", "f32");
+    const evaluate::TestedForm row = test::row("sphere.press", "f32");
     const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}};
     scene::rays::RayBlock rays;
     std::vector<double> kinds;

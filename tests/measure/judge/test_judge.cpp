@@ -20,18 +20,18 @@ namespace test_judge {
 using namespace lostbits;
 using namespace lostbits::measure;
 using judge::JudgeRequest, judge::JudgeResult;
-using scene::test::Columns, testing::Seeded;
-using testing::add_answers, testing::all_metrics, testing::ray_columns, testing::require_same;
+using scene::test::Columns, test::Seeded;
+using test::add_answers, test::all_metrics, test::ray_columns, test::require_same;
 
 namespace {
 
 /// The answers of these forms as a file, judged: what a map of the scene says of them.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
-    const auto scene = testing::scene_named(scene_id, std::pair{48, 40});
+    const auto scene = test::scene_named(scene_id, std::pair{48, 40});
     const std::vector<Solid<double>> solids = scene::rays::shared_solids(scene);
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
-        const evaluate::TestedForm row = testing::row(name, format);
+        const evaluate::TestedForm row = test::row(name, format);
         const auto expected = evaluate::evaluate_rows({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
 
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
@@ -146,7 +146,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
         for (const char* format : {"f32", "f64", "bf16"}) {
             const auto inputs = band.inputs(*find_format(format), {.unit_rays = true});
             const std::size_t few = std::string(format) == "bf16" ? 500 : 5000;
-            for (const evaluate::TestedForm& row : testing::all_rows(shape, {format})) {
+            for (const evaluate::TestedForm& row : test::all_rows(shape, {format})) {
                 INFO(row.form->info->name << " in " << format);
                 const auto together = answer::evaluate(*row.form, inputs);
                 for (std::size_t i = 0; i < few; i += 1 + i / 20) {
@@ -166,7 +166,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
 
 TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
-    const evaluate::TestedForm row = testing::row("sphere.expanded", "f32");
+    const evaluate::TestedForm row = test::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
     const auto judged = [&](bool late, judge::WorstRays& worst) {
@@ -191,7 +191,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
 
 TEST_CASE("the answers of a file are judged as those of the form, and the worst are those of every ray") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 100000, 5);
-    const evaluate::TestedForm row = testing::row("sphere.schoolbook", "f32");
+    const evaluate::TestedForm row = test::row("sphere.schoolbook", "f32");
     Columns columns = columns_of_pairs(group);
     const truth::Band band(group);
     const auto inputs = band.inputs(row.format, {});
@@ -199,7 +199,7 @@ TEST_CASE("the answers of a file are judged as those of the form, and the worst 
     add_answers(columns, answers);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
 
-    const testing::Threads limit(5);  // for four pieces
+    const test::Threads limit(5);  // for four pieces
     const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
     const judge::FileForm form("a", Shape::sphere, *row.form->info);
     judge::WorstRays worst(10, 1);

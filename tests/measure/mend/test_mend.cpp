@@ -26,10 +26,10 @@ namespace tape = measure::tape;
 
 namespace {
 
-Scene scene_named(const char* name, int size) { return testing::scene_named(name, std::pair{size, size}); }
+Scene scene_named(const char* name, int size) { return test::scene_named(name, std::pair{size, size}); }
 
 MendRequest request_of(const Scene& scene, const char* form, double bits) {
-    MendRequest request{.scene = &scene, .row = testing::row(form, "f32")};
+    MendRequest request{.scene = &scene, .row = test::row(form, "f32")};
     request.wish = {.bits = bits, .wrong = 0, .quantile = 1};
     return request;
 }
@@ -113,7 +113,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
             if (rewrite.rule->name == "edges from the origin")
                 tapes.push_back(terms.tape(terms.with(terms.outputs(), rewrite.replaced)));
         REQUIRE(tapes.size() == 2);
-        tapes.push_back(tape::tape_of(testing::form_named("triangle.signed_volumes"), *find_format("f32")));
+        tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
         Judge judge(request, scene);
         const auto worth = judge.worth_of(tapes);
         if (is_far) {
@@ -171,13 +171,13 @@ TEST_CASE("under matrices the operations that lead into the space of the solid a
         }
         MendRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.row.form;
-        request.row.form = &intersect::space::through(testing::space_named("plain"), form);
+        request.row.form = &intersect::space::through(test::space_named("plain"), form);
         Search search(request);
         const Worth own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).worth.meets(request.wish));
         CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
-        request.row.form = &intersect::space::through(testing::space_named("relative"), form);
+        request.row.form = &intersect::space::through(test::space_named("relative"), form);
         const Worth relative = Judge(request, scene).worth_of({recorded(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
@@ -207,7 +207,7 @@ TEST_CASE("what cannot be compiled has no price, and the message says why", "[me
 }
 
 TEST_CASE("only what is wider, and what takes of it, changes in the code", "[mend]") {
-    const auto& form = testing::form_named("sphere.half_b");
+    const auto& form = test::form_named("sphere.half_b");
     const Tape tape = tape::tape_of(form, *find_format("f32"));
     const auto before = output::mend::statements(tape, form);
     CHECK(output::mend::changed_lines(before, before).empty());

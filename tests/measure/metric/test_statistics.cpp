@@ -225,7 +225,7 @@ TEST_CASE("statistics have the same bits at every register width", "[measure][me
     for (const std::size_t n : {1U, 5U, 8U, 1003U, 5000U}) {
         const std::vector<double> all = numbers(n, -60, 60, random);
         std::vector<Distribution> got;
-        testing::at_every_width([&](intersect::simd::Isa) { got.push_back(of(all, 777)); });
+        test::at_every_width([&](intersect::simd::Isa) { got.push_back(of(all, 777)); });
         for (const Distribution& d : got) {
             CHECK(d.count() == got.front().count());
             if (d.count() == 0) continue;

@@ -5,7 +5,7 @@
 
 #include "measure/offset/half_line.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 using Rational = boost::multiprecision::mpq_rational;
 
@@ -52,4 +52,4 @@ inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const S
     return {inside, outside, any && from < to};
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

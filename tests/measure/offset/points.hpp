@@ -8,7 +8,7 @@
 #include "measure/offset/at_point.hpp"
 #include "measure/rows.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// Points of a scene as one form in one format finds them, and what to ask them.
 struct ScenePoints {
@@ -30,4 +30,4 @@ struct ScenePoints {
     }
 };
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -12,7 +12,7 @@ using namespace lostbits;
 using measure::offset::find_meeting;
 using measure::offset::HalfLine;
 using measure::offset::Meeting;
-using testing::Seeded;
+using test::Seeded;
 
 namespace {
 
@@ -24,10 +24,10 @@ struct Hostile {
 };
 
 Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
-    const auto stored = [&](const Vec<double>& v) { return testing::stored(v, format); };
+    const auto stored = [&](const Vec<double>& v) { return test::stored(v, format); };
     const double size = random.magnitude(-12, 12), far = random.coin() ? random.magnitude(-4, 16) : 0;
     const Vec<double> centre = stored(far * random.vec(-1, 1));
-    Hostile h{{{{0, 0, 0}, {0, 0, 0}}, 0}, Sphere<double>{centre, testing::stored(size, format)}};
+    Hostile h{{{{0, 0, 0}, {0, 0, 0}}, 0}, Sphere<double>{centre, test::stored(size, format)}};
     Vec<double> n = random.vec(-1, 1);
     if (box) {
         const Vec<double> half = stored(Vec<double>(random.magnitude(-3, 3), random.magnitude(-10, 3), size));
@@ -38,11 +38,11 @@ Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
     Vec<double> p = stored(centre + size * n);
     if (box) {
         const Box<double> b = h.solid.box();
-        for (int i = 0; i < 3; ++i) p[i] = testing::stored(random.uniform(b.lo[i], b.hi[i]), format);
+        for (int i = 0; i < 3; ++i) p[i] = test::stored(random.uniform(b.lo[i], b.hi[i]), format);
         const int axis = random.index(3);
         p[axis] = random.coin() ? b.lo[axis] : b.hi[axis];
     }
-    for (int i = 0; i < 3; ++i) p[i] = testing::nudged(p[i], random.coin() ? random.integer(-3, 3) : 0, format);
+    for (int i = 0; i < 3; ++i) p[i] = test::nudged(p[i], random.coin() ? random.integer(-3, 3) : 0, format);
     Vec<double> w = random.vec(-1, 1);
     switch (random.index(4)) {
         case 0: w = w - dot(w, n) * n; break;                                // along the surface
@@ -51,7 +51,7 @@ Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
         default: break;
     }
     h.line.ray = {p, stored(w)};
-    h.line.from = random.index(4) == 0 ? testing::stored(random.magnitude(-20, 2), format) : 0;
+    h.line.from = random.index(4) == 0 ? test::stored(random.magnitude(-20, 2), format) : 0;
     return h;
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("half-lines: the enclosures and rationals say the same", "[measure][of
             const Hostile h = hostile(random, k % 2 == 1, format);
             if (!h.line.is_proper()) continue;
             const Meeting met = find_meeting(h.line, h.solid);
-            const auto exact = testing::exact_meeting(h.line, h.solid);
+            const auto exact = test::exact_meeting(h.line, h.solid);
             INFO(k);
             REQUIRE(met.inside == exact.inside);
             REQUIRE(met.outside == exact.outside);

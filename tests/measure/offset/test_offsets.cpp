@@ -15,9 +15,9 @@ namespace test_offsets {
 
 using namespace lostbits;
 using namespace lostbits::measure::offset;
-using testing::load;
-using testing::row;
-using testing::ScenePoints;
+using test::load;
+using test::row;
+using test::ScenePoints;
 
 namespace {
 
@@ -43,7 +43,7 @@ bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t
     const PointWork::Start start = work.start(points.met[k]).value();
     for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
         const Ray<double> ray{moved_in_float(start, side, e), r.ray.direction};
-        const auto exact = testing::exact_meeting({ray, 0}, points.solids[points.met[k].own]);
+        const auto exact = test::exact_meeting({ray, 0}, points.solids[points.met[k].own]);
         if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
     }
     return true;
@@ -55,7 +55,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, by ra
     int found = 0, none_needed = 0, by_rationals = 0;
     for (const auto& [scene, form] : scenes) {
         for (const char* format : {"f32", "f64", "p14"}) {
-            if (!testing::form_named(form).exists_in(*find_format(format))) continue;
+            if (!test::form_named(form).exists_in(*find_format(format))) continue;
             const ScenePoints points(scene, form, format);
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
                 const auto strategies = all_strategies();
@@ -109,8 +109,8 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
                 for (const Side side : both_sides) {
                     for (const NewRay& r : work.rays(points.met[k], *s, side)) {
                         for (std::size_t f = 0; f < seen.size(); ++f) seen[f] += (r.faults >> f) & 1U ? 1 : 0;
-                        const auto ahead = testing::exact_meeting({r.ray, r.tmin}, own);
-                        const auto there = testing::exact_meeting({r.ray, 0}, own);
+                        const auto ahead = test::exact_meeting({r.ray, r.tmin}, own);
+                        const auto there = test::exact_meeting({r.ray, 0}, own);
                         const bool out = side == Side::outside;
                         CAPTURE(scene, k, s->name, name_of(side));
                         CHECK(r.has(Fault::wrong_side) == (out ? there.inside : there.outside));

@@ -11,7 +11,7 @@ namespace test_strategies {
 
 using namespace lostbits;
 using namespace lostbits::measure::offset;
-using testing::row;
+using test::row;
 
 TEST_CASE("strategies: none moves nothing, exclude does not ask its own, constants are those published",
           "[measure][offset]") {

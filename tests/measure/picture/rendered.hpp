@@ -12,7 +12,7 @@
 #include "scene/rays/rays.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 using scene::file::Stage;
 
@@ -74,4 +74,4 @@ inline std::optional<Real> first(const Vec<Real>& o, const Vec<Real>& d, const V
     return near < 0 ? far : near;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

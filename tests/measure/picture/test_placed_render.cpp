@@ -8,7 +8,7 @@ namespace test_placed_render {
 
 using namespace lostbits;
 using namespace lostbits::measure::picture;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 
 TEST_CASE("spheres under matrices are painted as those whose numbers stand where they are, mirrored or not") {
     const scene::file::Scene bare = load("raycast-course.pixels", 48, 48);
@@ -25,7 +25,7 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
         }
         for (const char* space : {"plain", "relative", "adjugate"}) {
             CAPTURE(mirror, space);
-            const auto& row = intersect::space::through(testing::space_named(space), form);
+            const auto& row = intersect::space::through(test::space_named(space), form);
             const Collected found(
                 {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
@@ -57,7 +57,7 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
     scene.listed.resize(1);
     scene.appearance.materials.resize(1);
     const auto& form =
-        intersect::space::through(testing::space_named("relative"), *rows_of({"f64"}, "sphere.unified").front().form);
+        intersect::space::through(test::space_named("relative"), *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
         {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);

@@ -13,7 +13,7 @@ namespace test_render {
 
 using namespace lostbits;
 using namespace lostbits::measure::picture;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using scene::file::Stage;
 
 namespace {

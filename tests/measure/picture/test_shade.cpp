@@ -111,8 +111,8 @@ TEST_CASE(
     // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
     // the first root is 0 and no obstacle.
     const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .solids = solids};
-    const auto unified = find_blockers(testing::form_named("sphere.unified"), in_f64.format, rays, in_f64, true);
-    const auto expanded = find_blockers(testing::form_named("sphere.expanded"), in_f64.format, rays, in_f64, true);
+    const auto unified = find_blockers(test::form_named("sphere.unified"), in_f64.format, rays, in_f64, true);
+    const auto expanded = find_blockers(test::form_named("sphere.expanded"), in_f64.format, rays, in_f64, true);
     CHECK(unified[6] == blocked_by_own);
     CHECK(expanded[6] == blocked_by_nothing);
     CHECK(unified[4] == blocked_by_nothing);

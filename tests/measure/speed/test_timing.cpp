@@ -14,7 +14,7 @@
 namespace test_timing {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 
 namespace {
 

@@ -14,7 +14,7 @@
 namespace test_trade {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "measure/truth/hard_rays.hpp"
 #include "measure/truth/truth.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// LOSTBITS_RAYS says how many.
 inline const std::size_t rays_per_family = [] {
@@ -39,4 +39,4 @@ inline bool agree(const measure::truth::Truth& a, const measure::truth::Truth& b
            compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

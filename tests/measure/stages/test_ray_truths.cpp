@@ -9,7 +9,7 @@
 namespace test_ray_truths {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::truth::find_truth;
 using measure::truth::StageCounts;
 using measure::truth::Truth;

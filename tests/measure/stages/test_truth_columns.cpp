@@ -13,7 +13,7 @@
 namespace test_truth_columns {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::truth::find_truth;
 using measure::truth::Length;
 using measure::truth::ProblemColumns;

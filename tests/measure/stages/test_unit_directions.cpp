@@ -40,7 +40,7 @@ bool same(double x, double y) {
 }  // namespace
 
 TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]") {
-    testing::at_every_width([](intersect::simd::Isa) {
+    test::at_every_width([](intersect::simd::Isa) {
         for (const bool extreme : {false, true}) {
             for (const FloatFormat& format : {binary32, binary64, FloatFormat{11, -14, 15}}) {
                 Random random(7);
@@ -61,7 +61,7 @@ TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]
 }
 
 TEST_CASE("packs settle nearly all unit directions, and none outside of their range", "[measure][stages]") {
-    testing::at_every_width([](intersect::simd::Isa isa) {
+    test::at_every_width([](intersect::simd::Isa isa) {
         Random random(11);
         constexpr std::size_t n = 4096;
         Columns all = directions_of(binary64, n, random, false);

@@ -11,7 +11,7 @@
 namespace test_cases {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::answer::Outcome;
 using measure::evaluate::FormSummary;
 using measure::sweep::Verdict;

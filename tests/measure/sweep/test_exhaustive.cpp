@@ -16,7 +16,7 @@
 namespace test_exhaustive {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::evaluate::TestedForm;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;

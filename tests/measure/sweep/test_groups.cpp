@@ -99,7 +99,7 @@ TEST_CASE("rays of many views measured together are those of one view at a time"
                     groups[g].rays.width = 3;
                 }
             }
-            for (const auto& row : testing::all_rows(shape, {"f32", "f64", "p16"})) {
+            for (const auto& row : test::all_rows(shape, {"f32", "f64", "p16"})) {
                 INFO(sweep << ", " << row.form->info->name << " in " << row.format.name);
                 const FormSummary together =
                     std::move(measure::evaluate::measure_groups(groups, {row}, metrics, {}).front());

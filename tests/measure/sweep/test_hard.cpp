@@ -13,7 +13,7 @@
 namespace test_hard {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 
 TEST_CASE("every hard ray measures what its name says") {
     // `sphere.press in f32: lost_bits 6.40002`, or an outcome in place of a metric and its value, perhaps with how far

@@ -11,7 +11,7 @@
 namespace test_mesh_floats {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using lostbits::test::Scratch;
 using measure::answer::Outcome;
 using scene::sweep::ExhaustiveFile;

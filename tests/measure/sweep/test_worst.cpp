@@ -12,7 +12,7 @@
 namespace test_worst {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::sweep::find_worst;

@@ -143,7 +143,7 @@ TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
 TEST_CASE("all in double a form keeps all bits of float but one, and with no operation wider it is the form",
           "[tape]") {
     const Format format = *find_format("f32");
-    const Intersector& form = testing::form_named("sphere.half_b");
+    const Intersector& form = test::form_named("sphere.half_b");
     const Tape tape = tape_of(form, format);
     const auto all = rounded_operations(tape);
     const auto rays = draw(form, format);
@@ -165,12 +165,12 @@ TEST_CASE("all in double a form keeps all bits of float but one, and with no ope
 
 TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
     const Format format = *find_format("f32");
-    CHECK_THROWS_WITH(tape_of(testing::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
-    const Intersector &filtered = testing::form_named("triangle.filtered"), &box = testing::form_named("box.signs");
+    CHECK_THROWS_WITH(tape_of(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
+    const Intersector &filtered = test::form_named("triangle.filtered"), &box = test::form_named("box.signs");
     for (const Intersector* form : {&filtered, &intersect::space::through(intersect::space::usual_space(), filtered),
                                     &intersect::hull::behind(intersect::hull::usual_hull(), box, filtered)})
         CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("decides by itself"));
-    CHECK_THROWS_WITH(tape_of(testing::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
+    CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
     CHECK_THROWS(word_of(bfloat16));
 }
 

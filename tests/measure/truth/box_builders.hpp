@@ -7,7 +7,7 @@
 
 #include "measure/truth/box_families.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 using Integers = std::array<std::int64_t, 3>;
 
@@ -99,4 +99,4 @@ inline std::array<int, 3> shuffled(Seeded& rng, std::array<int, 3> v) {
 
 inline int side(Seeded& rng) { return rng.coin() ? 1 : -1; }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -4,7 +4,7 @@
 
 #include "measure/truth/box_builders.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 namespace {
 
 BoxSample random_ray(Seeded& rng, const FloatFormat& f) {
@@ -289,4 +289,4 @@ std::string paste(const BoxSample& s) {
     return text;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -5,7 +5,7 @@
 
 #include "measure/seeded.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 struct BoxSample {
     Ray<double> ray;
@@ -37,4 +37,4 @@ extern const BoxFamily box_families[19];
 /// The inputs as C++ that compiles.
 std::string paste(const BoxSample& sample);
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -14,7 +14,7 @@
 
 #include "measure/truth/textbook.hpp"
 
-namespace lostbits::testing::textbook {
+namespace lostbits::test::textbook {
 
 /// `act` in numbers of 512 bits or, where MPFR rounds one of these, again in so many that products of sums of any
 /// doubles have room. Whether those were exact.
@@ -186,4 +186,4 @@ private:
     std::array<double, most_of_problem> sizes_{};
 };
 
-}  // namespace lostbits::testing::textbook
+}  // namespace lostbits::test::textbook

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 using measure::truth::Certified;
 
@@ -166,4 +166,4 @@ std::string paste(const Ray<double>& ray, const Sphere<double>& sphere) {
     return text;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -13,7 +13,7 @@
 #include "shapes/box/box.hpp"
 #include "shapes/sphere/sphere.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// m·2^e, exactly.
 class Dyadic {
@@ -91,4 +91,4 @@ bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, c
 /// The inputs as C++ that compiles.
 std::string paste(const Ray<double>& ray, const Sphere<double>& sphere);
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -11,7 +11,7 @@
 #include "measure/truth/ray_families.hpp"
 #include "shapes/solid.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// A ray and its solid, in numbers of a format.
 struct HardRay {
@@ -64,4 +64,4 @@ inline std::vector<HardFamily> hard_families(Shape shape, std::initializer_list<
     return all;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -12,7 +12,7 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/truth.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 /// An end at one of these t, beside one, between, or anywhere among the numbers of a format.
 inline double end_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
@@ -67,4 +67,4 @@ inline std::string paste(const Range<double>& range) {
     return out.str();
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

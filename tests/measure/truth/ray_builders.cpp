@@ -1,6 +1,6 @@
 #include "measure/truth/ray_builders.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 Frame frame(Seeded& rng, std::int64_t largest) {
     std::int64_t w = 0, x = 0, y = 0, z = 0;
@@ -114,4 +114,4 @@ RaySample integer_contact(Seeded& rng, const FloatFormat& storage) {
     return s;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -3,7 +3,7 @@
 
 #include "measure/truth/ray_families.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 using Integers = std::array<std::int64_t, 3>;
 
@@ -41,4 +41,4 @@ RaySample integer_scene(Seeded& rng);
 RaySample integer_tangent(Seeded& rng, const FloatFormat& storage);
 RaySample integer_contact(Seeded& rng, const FloatFormat& storage);
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

@@ -3,7 +3,7 @@
 
 #include "measure/seeded.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 struct RaySample {
     Ray<double> ray;
@@ -79,4 +79,4 @@ inline constexpr RayFamily wide_families[] = {
     {"wide contact", RayFamily::Promise::none, wide_contact, 10'000, 20'000, 8'000},
 };
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

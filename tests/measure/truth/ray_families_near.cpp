@@ -1,6 +1,6 @@
 #include "measure/truth/ray_builders.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 RaySample random_ray(Seeded& rng, const FloatFormat& f) {
     const Vec<double> origin = rng.vec(-10, 10), centre = rng.vec(-2, 2);
@@ -102,4 +102,4 @@ RaySample scaled_direction(Seeded& rng, const FloatFormat& f) {
     return rescaled(s, 0, static_cast<int>(rng.integer(-60, 60)));
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

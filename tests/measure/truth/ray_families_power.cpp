@@ -3,7 +3,7 @@
 
 #include "measure/truth/ray_builders.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 namespace {
 
 Vec<double> plus(const Vec<double>& a, const Vec<double>& b, double by) {
@@ -69,4 +69,4 @@ RaySample power_beside(Seeded& rng, const FloatFormat& storage) {
     return shuffled(rng, {{{0, 0, 0}, direction}, {at, radius}});
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

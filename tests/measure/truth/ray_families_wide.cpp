@@ -2,7 +2,7 @@
 
 #include "measure/truth/ray_builders.hpp"
 
-namespace lostbits::testing {
+namespace lostbits::test {
 
 // t = T·2^q with T an odd integer: half way between two numbers of a format, among them the boundary of overflow and
 // half the smallest subnormal. The ray runs along an axis: t·|d| = (c − o) − half a chord, all integers.
@@ -181,4 +181,4 @@ RaySample wide_contact(Seeded& rng, const FloatFormat& storage) {
     return s;
 }
 
-}  // namespace lostbits::testing
+}  // namespace lostbits::test

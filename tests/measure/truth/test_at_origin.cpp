@@ -142,7 +142,7 @@ TEST_CASE("every box form without rounding meets a box that the eye lies on at t
 }
 
 TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not by another's", "[measure][truth]") {
-    const intersect::table::Intersector* const interval = &testing::form_named("sphere.pbrt_interval");
+    const intersect::table::Intersector* const interval = &test::form_named("sphere.pbrt_interval");
     for (const OnSphere& x : on_sphere) {
         scene::rays::RayGroup group;
         group.rays.push({x.origin, x.direction});

@@ -12,7 +12,7 @@
 namespace test_certified {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::truth::Certified;
 using measure::truth::certify;
 using measure::truth::exactly;

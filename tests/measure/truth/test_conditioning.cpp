@@ -159,7 +159,7 @@ TEST_CASE("an error is excused by what t can reach") {
 
 TEST_CASE("every operation of Dual differentiates as a central difference does") {
     using D = Dual<Wide, 3>;
-    testing::Seeded random(99);
+    test::Seeded random(99);
     const auto draw = [&] { return Wide((0.2 + random.unit()) * (random.index(2) == 0 ? 1 : -1)); };
     struct Operation {
         const char* name;

@@ -131,12 +131,12 @@ TEST_CASE("forms of both roots decide as the truth does in every range, forms of
 }
 
 TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[measure][range]") {
-    testing::Seeded rng(1);
+    test::Seeded rng(1);
     for_each_form([&rng](const intersect::table::Intersector& form) {
         scene::rays::RayBlock rays;
         for (int i = 0; i < 300; ++i) {
-            const Vec<double> origin = testing::stored(rng.vec(-3, 3), binary32);
-            rays.push({origin, testing::stored(rng.vec(-1, 1), binary32)});
+            const Vec<double> origin = test::stored(rng.vec(-3, 3), binary32);
+            rays.push({origin, test::stored(rng.vec(-1, 1), binary32)});
         }
         const measure::truth::Band without(at_solid(rays, form.shape));
         rays.tmin.assign(rays.size(), 0);
@@ -156,20 +156,20 @@ TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[
 }
 
 TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[measure][range]") {
-    testing::Seeded rng(2);
+    test::Seeded rng(2);
     for_each_form([&rng](const intersect::table::Intersector& form) {
         scene::rays::RayBlock rays;
         for (int i = 0; i < 600; ++i) {
-            const Vec<double> origin = testing::stored(rng.vec(-6, 6), binary32);
-            rays.push({origin, testing::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
-            const double tmin = testing::stored(rng.uniform(0, 1.5), binary32);
+            const Vec<double> origin = test::stored(rng.vec(-6, 6), binary32);
+            rays.push({origin, test::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
+            const double tmin = test::stored(rng.uniform(0, 1.5), binary32);
             rays.tmin.push_back(tmin);
-            rays.tmax.push_back(testing::stored(tmin + rng.uniform(0, 1), binary32));
+            rays.tmax.push_back(test::stored(tmin + rng.uniform(0, 1), binary32));
         }
         const measure::truth::Band band(at_solid(std::move(rays), form.shape));
         const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true});
         std::optional<measure::answer::Answers> first;
-        testing::at_every_width([&](intersect::simd::Isa) {
+        test::at_every_width([&](intersect::simd::Isa) {
             const auto answers = measure::answer::evaluate(form, inputs);
             if (!first) first = answers;
             check_equal(answers, *first);

@@ -20,7 +20,7 @@ using measure::truth::Certified;
 using measure::truth::exactly;
 using measure::truth::Perturbed;
 using measure::truth::reach;
-using testing::Seeded;
+using test::Seeded;
 
 namespace {
 

@@ -22,13 +22,13 @@
 namespace test_margin {
 
 using namespace lostbits;
-using namespace testing::textbook;
+using namespace test::textbook;
 using measure::stability::backward_error;
 using measure::stability::decision_margin;
 using measure::stability::Turned;
 using measure::truth::find_truth;
 using measure::truth::Perturbed;
-using testing::Seeded;
+using test::Seeded;
 
 namespace {
 
@@ -168,7 +168,7 @@ const int rays_per_family = [] {
 
 /// The hard rays of a shape, on all threads.
 void check_families(Shape shape, std::initializer_list<FloatFormat> formats) {
-    const auto families = testing::hard_families(shape, formats);
+    const auto families = test::hard_families(shape, formats);
     std::vector<Found> parts(families.size());
     intersect::process::in_parallel(std::size_t{0}, families.size(), [&](std::size_t i) {
         Seeded rng(0x3a61);

@@ -13,7 +13,7 @@ namespace test_placed {
 using namespace lostbits;
 using measure::truth::find_truth;
 using measure::truth::Truth;
-using testing::Seeded;
+using test::Seeded;
 
 namespace {
 
@@ -34,7 +34,7 @@ Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>&
 }  // namespace
 
 TEST_CASE("packs settle rays at solids under matrices as they are settled alone, and most of them") {
-    const auto stored = [](double x) { return testing::stored(x, binary32); };
+    const auto stored = [](double x) { return test::stored(x, binary32); };
     for (const bool is_inverse : {false, true}) {
         CAPTURE(is_inverse);
         Seeded r(9);
@@ -53,7 +53,7 @@ TEST_CASE("packs settle rays at solids under matrices as they are settled alone,
         while (rays.size() < 4500) {
             const Solid<double>& at = solids[rays.size() % 3];
             const Ray<double> ray = aimed(r, *at.placed, at.point(0));
-            rays.push({testing::stored(ray.origin, binary32), testing::stored(ray.direction, binary32)});
+            rays.push({test::stored(ray.origin, binary32), test::stored(ray.direction, binary32)});
         }
         const scene::rays::SolidList<double> list(solids);
         measure::truth::RayTruths found;

@@ -16,8 +16,8 @@ namespace test_reach {
 using namespace lostbits;
 using measure::truth::Perturbed;
 using measure::truth::reach;
-using testing::Seeded;
-using namespace testing::textbook;
+using test::Seeded;
+using namespace test::textbook;
 
 namespace {
 
@@ -152,9 +152,9 @@ struct Tally {
 const int rays_per_family = test::draws(1000);
 
 /// Of hard rays, in numbers of a format or of the one that they are stored in.
-void check_families(const std::vector<testing::HardFamily>& families, Tally& all,
+void check_families(const std::vector<test::HardFamily>& families, Tally& all,
                     const std::optional<FloatFormat>& format = {}) {
-    for (const testing::HardFamily& family : families) {
+    for (const test::HardFamily& family : families) {
         const FloatFormat& of_errors = format ? *format : family.storage;
         INFO(family.name << ", " << of_errors.precision << " bits");
         Tally needles;  // half an ulp turns one into any plane
@@ -183,23 +183,23 @@ void check_tightness(const Tally& tally, int percent) {
 }  // namespace
 
 TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
-    using testing::Wide;
+    using test::Wide;
     Tally tally;
-    check_families(testing::hard_families(Shape::sphere, {binary32}, Wide::yes), tally);
-    check_families(testing::hard_families(Shape::sphere, {binary64}), tally);  // 2048 bits do not hold wide squares
-    check_families(testing::hard_families(Shape::sphere, {binary32}), tally, binary16);
+    check_families(test::hard_families(Shape::sphere, {binary32}, Wide::yes), tally);
+    check_families(test::hard_families(Shape::sphere, {binary64}), tally);  // 2048 bits do not hold wide squares
+    check_families(test::hard_families(Shape::sphere, {binary32}), tally, binary16);
     check_tightness(tally, 1);
 }
 
 TEST_CASE("t moves no further than it can reach - boxes", "[reach]") {
     Tally tally;
-    check_families(testing::hard_families(Shape::box, {binary32, binary64}), tally);
+    check_families(test::hard_families(Shape::box, {binary32, binary64}), tally);
     check_tightness(tally, 4);
 }
 
 TEST_CASE("t moves no further than it can reach - triangles", "[reach]") {
     Tally tally;
-    check_families(testing::hard_families(Shape::triangle, {binary32}), tally);
+    check_families(test::hard_families(Shape::triangle, {binary32}), tally);
     check_tightness(tally, 5);
 }
 
@@ -236,13 +236,13 @@ TEST_CASE("t moves no further than it can reach - under matrices whose numbers a
             const int size = static_cast<int>(rng.integer(-50, 50));
             for (double& x : m) x = rng.signed_magnitude(size - (i % 2 ? 70 : 50), size - (i % 2 ? 50 : 20));
             for (const std::size_t k : {0, 5, 10}) m[k] = rng.signed_magnitude(size - 1, size + 1);
-            const auto stored = [&format](double x) { return testing::stored(x, format); };
+            const auto stored = [&format](double x) { return test::stored(x, format); };
             solid.placed = transformed(Placement<double>{m, false, 1}, stored);
             solid = transformed(solid, stored);
             const Vec<double> from = std::ldexp(1.0, size) * rng.vec(-8, 8),
                               at = solid.placed->map().point(solid.point(0));
-            const Ray<double> ray{testing::stored(at + from, format),
-                                  testing::stored(-from + std::ldexp(0.5, size) * rng.vec(-1, 1), format)};
+            const Ray<double> ray{test::stored(at + from, format),
+                                  test::stored(-from + std::ldexp(0.5, size) * rng.vec(-1, 1), format)};
             const auto truth = measure::truth::find_truth(ray, solid);
             if (!truth.is_hit() || truth.t.is_zero()) continue;
             std::array<Wide, 22> x;

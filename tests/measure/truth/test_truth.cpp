@@ -15,7 +15,7 @@
 namespace test_truth {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using intersect::Touching;
 using measure::truth::Certified;
 using measure::truth::certified_tightness;
@@ -87,7 +87,7 @@ int rays_of(const RayFamily& f, const FloatFormat& storage) {
     return storage == binary32 ? f.rays_binary32 : f.rays_binary64;
 }
 int rays_of(const BoxFamily& f, const FloatFormat&) { return f.rays; }
-std::string paste(const RaySample& s) { return testing::paste(s.ray, s.sphere); }
+std::string paste(const RaySample& s) { return test::paste(s.ray, s.sphere); }
 
 /// What is wrong with a length that is proved, or nothing.
 std::string trouble_with(const Certified& x, const Side& side) {
@@ -167,7 +167,7 @@ struct Found {
     }
     template <class Sample>
     void add(const std::string& what, const Sample& s, const Range<double>& range) {
-        if (report.size() < 2000) report += what + "\n    " + testing::paste(range) + " " + paste(s) + "\n";
+        if (report.size() < 2000) report += what + "\n    " + test::paste(range) + " " + paste(s) + "\n";
     }
 };
 

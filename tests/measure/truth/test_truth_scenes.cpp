@@ -10,7 +10,7 @@
 namespace test_truth_scenes {
 
 using namespace lostbits;
-using namespace lostbits::testing;
+using namespace lostbits::test;
 using measure::truth::find_truth;
 using measure::truth::Truth;
 using measure::truth::TruthLimit;

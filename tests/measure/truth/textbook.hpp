@@ -10,7 +10,7 @@
 #include "number/real.hpp"
 #include "shapes/solid.hpp"
 
-namespace lostbits::testing::textbook {
+namespace lostbits::test::textbook {
 
 using Wide = BasicReal<2048>;
 constexpr std::size_t most_of_problem = 15;
@@ -114,4 +114,4 @@ NumbersOf<N> numbers_of(const Ray<double>& ray, const Solid<double>& solid) {
     return x;
 }
 
-}  // namespace lostbits::testing::textbook
+}  // namespace lostbits::test::textbook

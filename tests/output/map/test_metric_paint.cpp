@@ -198,7 +198,7 @@ TEST_CASE("a sheet says which formats got the inputs rounded too", "[metric_pain
     lostbits::scene::file::Scene scene;
     const auto note = [&scene](std::initializer_list<const char*> formats) {
         std::vector<lostbits::measure::evaluate::TestedForm> rows;
-        for (const char* name : formats) rows.push_back(lostbits::testing::row("sphere.unified", name));
+        for (const char* name : formats) rows.push_back(lostbits::test::row("sphere.unified", name));
         return input_note(scene, rows);
     };
     CHECK(note({"f32", "f64", "p24", "p30"}).empty());

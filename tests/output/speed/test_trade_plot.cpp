@@ -6,7 +6,7 @@
 namespace lostbits::test {
 
 TEST_CASE("a picture of another set of rays says that its times are those of easy rays", "[trade]") {
-    const measure::evaluate::TestedForm row = testing::row("sphere.unified", "f32");
+    const measure::evaluate::TestedForm row = test::row("sphere.unified", "f32");
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
                                                               measure::metric::find_metric("excess_bits")};
     const measure::speed::TradeRequest request{

@@ -20,8 +20,8 @@ using namespace lostbits::output::image;
 using namespace lostbits::output::map;
 using namespace lostbits::output::sweep;
 using namespace lostbits::output::test;
-using lostbits::testing::row;
-using lostbits::testing::TextFile;
+using lostbits::test::row;
+using lostbits::test::TextFile;
 
 namespace {
 
@@ -67,7 +67,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const measure::sweep::CaseRequest request{.file = file,
                                               .rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64"),
                                                        row("sphere.schoolbook_strict", "f32")},
-                                              .metrics = lostbits::testing::case_metrics};
+                                              .metrics = lostbits::test::case_metrics};
     static_cast<void>(backend());
     output::sweep::CaseFiles files(request, folder.path(), "t.toml");
     CHECK_FALSE(fs::exists(folder / "cases.csv"));
@@ -169,7 +169,7 @@ radius = [0.5, 2]
     const measure::sweep::WorstRequest request{
         .search = search,
         .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
-        .metrics = lostbits::testing::case_metrics};
+        .metrics = lostbits::test::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
     const std::vector<std::optional<measure::sweep::WorstFound>> found{

@@ -12,8 +12,8 @@ using namespace lostbits;
 using namespace lostbits::output::sweep;
 using lostbits::output::plot::AxisSpec;
 using lostbits::output::plot::Series;
-using lostbits::testing::row;
-using lostbits::testing::TextFile;
+using lostbits::test::row;
+using lostbits::test::TextFile;
 using measure::evaluate::TestedForm;
 
 namespace {

@@ -24,8 +24,8 @@ using namespace lostbits::output::image;
 using namespace lostbits::output::map;
 using namespace lostbits::output::sweep;
 using namespace lostbits::output::test;
-using lostbits::testing::row;
-using lostbits::testing::TextFile;
+using lostbits::test::row;
+using lostbits::test::TextFile;
 
 namespace {
 

@@ -15,8 +15,8 @@ namespace test_sweep_plots {
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::test;
-using lostbits::testing::row;
-using lostbits::testing::TextFile;
+using lostbits::test::row;
+using lostbits::test::TextFile;
 using measure::answer::Outcome;
 using measure::evaluate::FormSummary;
 
