@@ -79,7 +79,8 @@ function makePages() {
         "sphere.hearn_baker", "-i", "box.signs", "-f", "p2", "-f", "p40", "-f", "f32", "--no-claims");
     page("odd/sweep", sweep, ...one, ...once, "--no-claims");
     page("odd/cases", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims");
-    lostbits("sweep", ...grids, ...gridForms, ...two, ...once, "-o", at("sweep"));
+    lostbits("sweep", grids[0], ...gridForms, ...two, ...once, "--pictures", "all", "-o", at("sweep"));
+    lostbits("sweep", ...grids.slice(1), ...gridForms, ...two, ...once, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, ...once, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"],
           scenes = ["near-benign", "world-offset", "grazing"];

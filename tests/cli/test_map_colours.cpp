@@ -70,6 +70,7 @@ TEST_CASE("what a sheet shows is drawn alone only with --pictures all, whatever 
           std::string("offsets near-benign --size 8x6 --strategy offset.none --points computed"),
           std::string("consistency near-benign --size 8x6 -i sphere.press --check segment"),
           std::string("render raycast-acne --variant none --size 8x6 -i sphere.press"),
+          std::string("sweep sphere-height -i sphere.press -f f32 --steps 3,2 --set views=8"),
           "judge '" + rays + "' --format f32 --sphere 0,0,0,1 --size 48x32"}) {
         INFO(words);
         const auto pictures = [&words](const std::string& more) {
