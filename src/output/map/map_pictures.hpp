@@ -26,7 +26,7 @@ namespace lostbits::output::map {
                                      std::span<const measure::evaluate::TestedForm> rows);
 
 /// The lines below the title of a contact sheet, on which one metric has `several` bars or not; `named` is what names
-/// the scene to `lostbits explain`. Without rows nothing is said of inputs.
+/// the scene to `lostbits explain`, empty for rays of a file. Without rows nothing is said of inputs.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
                                                       std::span<const measure::evaluate::TestedForm> rows,
                                                       const MetricPaint& paint, bool several);
