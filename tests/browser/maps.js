@@ -65,8 +65,8 @@ async function colours({ open, at }) {
     const page = await open("small");
     const cases = [
         ["near-benign", "sphere.schoolbook", "bf16", "lost_bits"],
-        ["world-offset", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "f64", "excess_bits"],
-        ["near-benign", "sphere.unified", "f32", "culprit"], ["grazing", "sphere.schoolbook", "bf16", "culprit"],
+        ["near-benign", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "bf16", "excess_bits"],
+        ["near-benign", "sphere.unified", "f32", "culprit"], ["near-benign", "sphere.schoolbook", "bf16", "culprit"],
         ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"], ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]
     ];
     for (const [id, form, format, metric] of cases) {
@@ -78,7 +78,7 @@ async function colours({ open, at }) {
             for (let i = 0; i < data.length; i += 4) rgb.push((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
             return { columns: canvas.width, rgb };
         }, [id, form, format, metric]);
-        const png = at(`map/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
+        const png = at(`pictures/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
         // ulp and kappa are floats on the page: a value may stand on the other side of the border between two steps of
         // the ramp.
         assert.ok(
