@@ -59,12 +59,13 @@ function makePages() {
     fs.cpSync(data, at("data"), { recursive: true });
     // A quarter of its rays: each of its cells is looked at, and its claims hold of them too.
     changedSweep("data/sweeps/sphere-height.toml", "sphere-height", [["views", 256, 64]]);
+    fs.writeFileSync(at("data/scenes/few.toml"), oddScene(16, 12, 5));
     const page = (name, ...args) => lostbits("report", ...args, "-o", at(name));
     const once = ["--seeds", "0"], one = ["-i", "sphere.unified", "-f", "f32"];
     page(
         "report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--seeds", "1", "--claims",
-        "tilt.*,rtg7.fig3*,rtg7.roots.*,shader.unit-half-b*", "--trade", "--choose", "near-benign:18", "--mend",
-        "near-benign:sphere.half_b:16", "--offsets", "offset-tiny,offset-thin-box");
+        "tilt.*,rtg7.fig3*,rtg7.roots.*,shader.unit-half-b*", "--trade", "--choose", "few:18", "--mend",
+        "few:sphere.half_b:16", "--offsets", "few");
     lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "8x8", "-o", at("mend"));
     page("large", "near-benign", ...one, "--size", "512x512", "--no-claims");
     page("taped", ...operations.taped);
@@ -87,12 +88,16 @@ function makePages() {
     lostbits("sweep", sweep, ...forms, ...two, ...once, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"],
           map = (folder, ...args) => lostbits("map", ...args, ...size, "-o", at(folder));
-    page("small", "near-benign", "world-offset", "sdf-sphere", ...forms, ...march, ...three, ...size,
-         ...drawn("residual", "culprit"), "--no-claims");
-    map("map", "near-benign", "world-offset", ...forms, ...three, ...drawn("culprit"), "--pixels", "csv");
-    map("map", "sdf-sphere", ...forms, ...march, ...three, ...drawn("iterations", "stop"), "--pixels", "csv");
-    map("pictures", "near-benign", "-i", "sphere.schoolbook", "-i", "sphere.unified", "-f", "f32", "-f", "bf16",
-        ...drawn("lost_bits", "ulp_error", "excess_bits", "culprit"), "--pictures", "all");
+    page(
+        "small", "near-benign", "world-offset", "sdf-sphere", ...forms, ...march, ...three, ...size,
+        ...drawn("residual", "culprit"), "--no-claims");
+    const columns = ["lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"];
+    map("map", "near-benign", "world-offset", ...forms, ...three, ...drawn(...columns, "culprit"), "--pixels", "csv");
+    map("map", "sdf-sphere", ...forms, ...march, ...three, ...drawn(...columns, "iterations", "stop"), "--pixels",
+        "csv");
+    // Of all forms: each operation of any of them has a colour of its own.
+    map("pictures", "near-benign", ...forms, ...three, ...drawn("lost_bits", "ulp_error", "culprit"), "--pictures",
+        "all");
     map("pictures", "sdf-sphere", ...march, "-f", "f32", ...drawn("iterations", "stop"), "--pictures", "all");
 }
 
