@@ -17,7 +17,6 @@ namespace test_looks {
 using namespace lostbits;
 using namespace lostbits::output;
 using intersect::table::Intersector;
-using output::test::backend;
 
 namespace {
 
