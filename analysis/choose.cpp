@@ -171,12 +171,12 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
             const Common& common, std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
     measure::choice::TimedRays timed;
     std::optional<measure::choice::Meetings> meetings;
-    if (request.scene) request.sinks = meetings.emplace(request, request.rows).sinks();
+    if (request.scene) request.shows = meetings.emplace(request, request.rows).shows();
     const auto all = measure_candidates(request, timed);
     output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
     chosen.mended = std::move(mended);
     if (meetings) chosen.requirement = requirement_of(request, all, *meetings);
-    request.sinks.clear();
+    request.shows.clear();
     request.progress = [](std::uint64_t) {};
     if (chosen.meets) {
         const measure::evaluate::TestedForm& row = all[*chosen.meets].row;

@@ -183,7 +183,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
 
     SceneSummaries summaries;
     if (division.joins()) shard::join_into(files, summaries.map, *work.map.stages, division, job);
-    else summaries.map = measure::evaluate::evaluate_rows(work.map, files.sinks());
+    else summaries.map = measure::evaluate::evaluate_rows(work.map, files.shows());
     if (division.is_shard()) division.put(job, shard::Noted::end, summaries.map, *work.map.stages);
     if (work.needed && division.joins()) {
         measure::truth::StageCounts none;

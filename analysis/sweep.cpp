@@ -102,7 +102,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const auto found = chosen.measured(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!found) return;
     const auto& [steps, onsets] = *found;
-    output::sweep::write_sweep_plots(folder, {request, steps, onsets});
+    output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
     files->finish(steps, onsets);
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
         std::vector<double> first;
@@ -148,6 +148,10 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
                                                          : nullptr;
         if (why != nullptr && o.seeds.value_or(0) > 0)
             throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep.id, why));
+        if (o.pictures == "all" && sweep.axes.size() != 2)
+            throw InputError(fmt::format(
+                "--pictures all: {} has one axis, and its plots show all forms together; leave out --pictures",
+                sweep.id));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(o).set);
@@ -271,6 +275,7 @@ void add_sweep(const shell::Command& program, const Common& common) {
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command.add("--against", o->against, "A form to compare the others with, without asking what is true");
     add_shard(command, o->shard);
+    selection::add_pictures(command, o->pictures);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }

@@ -55,12 +55,12 @@ public:
 };
 
 /// A row a ray of one form and format, as a map or a judgement gives them band by band.
-class RayTable final : public measure::evaluate::EvaluationSink {
+class RayTable {
 public:
     RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
              const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
-    void band(const measure::evaluate::BandResult& result) override;
+    void band(const measure::evaluate::BandResult& result);
 
 private:
     ResultTable& table_;

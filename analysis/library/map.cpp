@@ -30,14 +30,13 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rays;
-    std::vector<measure::evaluate::EvaluationSink*> sinks;
     for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& of_row = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        sinks.push_back(&rays.emplace_back(of_row, row, request.metrics));
+        rays.emplace_back(of_row, row, request.metrics);
     }
-    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
+    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(rays));
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
         return given.named.empty() ? std::string()

@@ -18,26 +18,12 @@
 
 namespace lostbits::analysis::report {
 
-using measure::evaluate::EvaluationSink;
 using measure::evaluate::TestedForm;
 using output::page::SweepPart;
 
 namespace {
 
 namespace page = output::page;
-
-/// Serves two readers of one row.
-class Both final : public EvaluationSink {
-public:
-    Both(EvaluationSink* a, EvaluationSink* b) : a_(a), b_(b) {}
-    void band(const measure::evaluate::BandResult& result) override {
-        a_->band(result);
-        b_->band(result);
-    }
-
-private:
-    EvaluationSink *a_, *b_;
-};
 
 std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
     std::vector<std::string> keys;
@@ -150,12 +136,11 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
                                                   .drawn = {measure::metric::find_metric("lost_bits")},
                                                   .named = work.named,
                                                   .sheet_alone = file});
-            std::vector<std::unique_ptr<Both>> both;
-            std::vector<EvaluationSink*> sinks;
-            const auto drawn = sheet.sinks(), kept = data.sinks();
+            const auto drawn = sheet.shows(), kept = data.shows();
+            std::vector<measure::evaluate::Show> both;
             for (std::size_t r = 0; r < drawn.size(); ++r)
-                sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
-            summaries = measure::evaluate::evaluate_rows(request, sinks);
+                both.push_back([&, r](const auto& band) { drawn[r](band), kept[r](band); });
+            summaries = measure::evaluate::evaluate_rows(request, both);
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);

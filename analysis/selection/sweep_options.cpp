@@ -97,7 +97,10 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
          "tries every float and draws nothing at random; leave out --seeds"},
         {"--against", words.against, nullptr, "compares with the truth alone; leave out --against",
          "compares with the truth alone; leave out --against",
-         "tries every float and compares with the truth alone; leave out --against"}};
+         "tries every float and compares with the truth alone; leave out --against"},
+        {"--pictures", words.pictures == "all" ? "all" : "", "has one picture for all forms; leave out --pictures",
+         "has no contact sheet; leave out --pictures", "has no contact sheet; leave out --pictures",
+         "has no contact sheet; leave out --pictures"}};
     for (const Row& row : rows) {
         const char* const why = kind == SweepKind::cases         ? row.cases
                                 : kind == SweepKind::search      ? row.search

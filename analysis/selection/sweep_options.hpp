@@ -17,7 +17,7 @@ namespace lostbits::analysis::selection {
 struct SweepWords {
     std::string size, steps;
     std::vector<std::string> set = {}, formats = {}, metrics = {};
-    std::string against = {};
+    std::string against = {}, pictures = "sheets";
     std::optional<int> seeds = {};
 
     /// ` (--steps 5, --set views=8)`: what the title of a changed sweep ends in.

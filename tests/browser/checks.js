@@ -11,10 +11,11 @@ const operations = require("./operations.js");
 
 const [program, data, folder, ...named] = process.argv.slice(2);
 const at = (file) => path.join(folder, file);
-const lostbits = (...args) => execFileSync(program, ["--data", data, "-q", ...args], { encoding: "utf8" });
+const lostbits = (...args) => execFileSync(program, ["--data", at("data"), "-q", ...args], { encoding: "utf8" });
 
-const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b", "-i", "sdf.sphere_trace"];
-const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
+const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b"],
+      march = ["-i", "sdf.sphere_trace"], three = ["-f", "f32", "-f", "f64", "-f", "bf16"],
+      two = ["-f", "f32", "-f", "f64"];
 const grids = ["sphere-height", "box-boundary", "extremes/contact"],
       gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
@@ -37,31 +38,34 @@ centre = [0, 0, ${
 radius = 1
 `;
 
-/** A sweep of the laboratory with other numbers. */
-function oddSweep(name, changes) {
+/** A sweep of the laboratory with other numbers, in that file. */
+function changedSweep(file, name, changes) {
     let text = fs.readFileSync(path.join(data, "sweeps", `${name}.toml`), "utf8");
     for (const [key, was, is] of changes) {
         assert.ok(text.includes(`\n${key} = ${was}\n`), `${name}: ${key}`);
         text = text.replace(`\n${key} = ${was}\n`, `\n${key} = ${is}\n`);
     }
-    fs.writeFileSync(at(`odd/${name}.toml`), text);
-    return at(`odd/${name}.toml`);
+    fs.writeFileSync(at(file), text);
+    return at(file);
 }
 
 /**
  * `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes,
- * `grids` cell by cell with `lostbits sweep`; `large` is timed; `taped` has every form; `odd` is what nobody would make
- * on purpose.
+ * `grids` cell by cell with `lostbits sweep`; `large` is timed; `taped` has rays of every kind; `odd` is what nobody
+ * would make on purpose.
  */
 function makePages() {
     fs.rmSync(folder, { recursive: true, force: true });
+    fs.cpSync(data, at("data"), { recursive: true });
+    // A quarter of its rays: each of its cells is looked at, and its claims hold of them too.
+    changedSweep("data/sweeps/sphere-height.toml", "sphere-height", [["views", 256, 64]]);
+    fs.writeFileSync(at("data/scenes/few.toml"), oddScene(16, 12, 5));
     const page = (name, ...args) => lostbits("report", ...args, "-o", at(name));
     const once = ["--seeds", "0"], one = ["-i", "sphere.unified", "-f", "f32"];
     page(
-        "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--seeds", "1",
-        "--claims", "tilt.*,rtg7.fig3*,rtg7.roots.*,sdf3.table.*,sdf3.steps.*,sdf3.on-axis.*,shader.unit-half-b*",
-        "--trade", "--choose", "near-benign:18", "--mend", "near-benign:sphere.half_b:16", "--offsets",
-        "offset-tiny,offset-thin-box");
+        "report", "near-benign", "rtg-fig-7-3-4100-oblique", sweep, ...forms, ...two, "--seeds", "1", "--claims",
+        "tilt.*,rtg7.fig3*,rtg7.roots.*,shader.unit-half-b*", "--trade", "--choose", "few:18", "--mend",
+        "few:sphere.half_b:16", "--offsets", "few");
     lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "8x8", "-o", at("mend"));
     page("large", "near-benign", ...one, "--size", "512x512", "--no-claims");
     page("taped", ...operations.taped);
@@ -72,24 +76,29 @@ function makePages() {
     fs.writeFileSync(at(`${far}/one-pixel.toml`), oddScene(1, 1, 5));
     fs.writeFileSync(at(`${far}/no-hit.toml`), oddScene(24, 16, -5));
     // In numbers that are worked out one at a time: a few rays a step are enough to look at.
-    const plane = oddSweep("sphere-height", [["views", 256, 1]]),
-          steps = oddSweep("sdf-max-steps", [["views", 256, 16], ["steps", 64, 16]]);
+    const plane = changedSweep("odd/sphere-height.toml", "sphere-height", [["views", 256, 1]]),
+          steps = changedSweep("odd/sdf-max-steps.toml", "sdf-max-steps", [["views", 256, 16], ["steps", 64, 16]]);
     page(
-        "odd", at(`${far}/one-pixel.toml`), at(`${far}/no-hit.toml`), plane, "box-boundary", steps, ...forms, "-i",
-        "sphere.hearn_baker", "-i", "box.signs", "-f", "p2", "-f", "p40", "-f", "f32", "--no-claims");
+        "odd", at(`${far}/one-pixel.toml`), at(`${far}/no-hit.toml`), plane, "box-boundary", steps, ...forms, ...march,
+        "-i", "sphere.hearn_baker", "-i", "box.signs", "-f", "p2", "-f", "p40", "-f", "f32", "--no-claims");
     page("odd/sweep", sweep, ...one, ...once, "--no-claims");
     page("odd/cases", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims");
-    lostbits("sweep", ...grids, ...gridForms, ...two, ...once, "-o", at("sweep"));
+    lostbits("sweep", grids[0], ...gridForms, ...two, ...once, "--pictures", "all", "-o", at("sweep"));
+    lostbits("sweep", ...grids.slice(1), ...gridForms, ...two, ...once, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, ...once, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"],
-          scenes = ["near-benign", "world-offset", "grazing"];
-    const files = [
-        ...forms, ...three, ...size, ...drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"),
-        ...["--pixels", "csv", "--pictures", "all", "-o", at("map")]
-    ];
-    page("small", ...scenes, "sdf-sphere", ...forms, ...three, ...size, ...drawn("residual", "culprit"), "--no-claims");
-    lostbits("map", ...scenes, ...files, ...drawn("culprit"));
-    lostbits("map", "sdf-sphere", ...files, ...drawn("iterations", "stop"));
+          map = (folder, ...args) => lostbits("map", ...args, ...size, "-o", at(folder));
+    page(
+        "small", "near-benign", "world-offset", "sdf-sphere", ...forms, ...march, ...three, ...size,
+        ...drawn("residual", "culprit"), "--no-claims");
+    const columns = ["lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"];
+    map("map", "near-benign", "world-offset", ...forms, ...three, ...drawn(...columns, "culprit"), "--pixels", "csv");
+    map("map", "sdf-sphere", ...forms, ...march, ...three, ...drawn(...columns, "iterations", "stop"), "--pixels",
+        "csv");
+    // Of all forms: each operation of any of them has a colour of its own.
+    map("pictures", "near-benign", ...forms, ...three, ...drawn("lost_bits", "ulp_error", "culprit"), "--pictures",
+        "all");
+    map("pictures", "sdf-sphere", ...march, "-f", "f32", ...drawn("iterations", "stop"), "--pictures", "all");
 }
 
 /** Holds pages to a promise; whether they kept it. */

@@ -28,8 +28,10 @@ async function opening({ open }) {
     const first = await page.locator("main, header").first().locator("p").first().innerText();
     assert.match(first, /^This page shows where ray intersectors lose significand bits/);
     assert.match(first, /First, choose a scene and a form under Maps and point at the picture/);
-    // Of a page without maps it names what is there.
-    assert.match(await (await open("grids")).locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
+    // Of a page without maps it names what is there, and its end counts nothing else.
+    const grids = await open("grids");
+    assert.match(await grids.locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
+    assert.match(await grids.locator("#made").innerText(), /^The command\s+3 sweeps\. Made by:/);
     for (const [view, note] of [["#map-view", "#scene-note"], ["#sweep-view", "#sweep-note"]]) {
         assert.equal(await page.$eval(note, (e) => e.open), true, note);
         assert.ok((await page.locator(`${note} p`).innerText()).length > 20, note);
@@ -46,6 +48,7 @@ async function opening({ open }) {
                 (side.bottom - side.top) > 0.3 * (picture.bottom - picture.top), `${view} at ${width}: blank side`);
         }
     }
+    await contrasts(page);
 }
 
 /** Claims stand by subject, closed, sorted and filtered by the keyboard alone. */
@@ -226,8 +229,7 @@ async function lines({ open }) {
 }
 
 /** Lines and words can be told from the page they are on, light or dark: 3 to 1 and 4.5 to 1 of WCAG 2. */
-async function contrasts({ open }) {
-    const page = await open("report");
+async function contrasts(page) {
     for (const colorScheme of ["light", "dark"]) {
         await page.emulateMedia({ colorScheme });
         await settled(page);
@@ -273,6 +275,5 @@ exports.promises = {
     halves,
     thumbnails,
     lines,
-    contrasts,
     margins
 };

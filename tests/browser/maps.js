@@ -3,7 +3,7 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { near, schoolbook, settled, stateOf } = require("./browser.js");
+const { follow, near, schoolbook, settled, stateOf } = require("./browser.js");
 const { liesIn, readCsv, readNumber } = require("./files.js");
 
 /** Every pixel of every row is what the CSV says. */
@@ -65,9 +65,9 @@ async function colours({ open, at }) {
     const page = await open("small");
     const cases = [
         ["near-benign", "sphere.schoolbook", "bf16", "lost_bits"],
-        ["world-offset", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "f64", "excess_bits"],
-        ["near-benign", "sphere.unified", "f32", "culprit"], ["grazing", "sphere.schoolbook", "bf16", "culprit"],
-        ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"], ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]
+        ["near-benign", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "f32", "culprit"],
+        ["near-benign", "sphere.schoolbook", "bf16", "culprit"], ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"],
+        ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]
     ];
     for (const [id, form, format, metric] of cases) {
         const { columns, rgb } = await page.evaluate(async ([id, form, format, metric]) => {
@@ -78,7 +78,7 @@ async function colours({ open, at }) {
             for (let i = 0; i < data.length; i += 4) rgb.push((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
             return { columns: canvas.width, rgb };
         }, [id, form, format, metric]);
-        const png = at(`map/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
+        const png = at(`pictures/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
         // ulp and kappa are floats on the page: a value may stand on the other side of the border between two steps of
         // the ramp.
         assert.ok(
@@ -145,12 +145,12 @@ async function keyboard({ open }) {
                       (e) => !(e.textContent.trim() || e.labels?.length || e.ariaLabel || e.getAttribute("aria-label")))
                   .length);
     assert.equal(unnamed, 0);
+    await follow(page, schoolbook);
+    await zoom(page);
 }
 
 /** The small pictures show the part that the large one shows. */
-async function zoom({ open }) {
-    const page = await open("report", { hash: schoolbook });
-    await settled(page);
+async function zoom(page) {
     const pane = (key) =>
               page.evaluate((key) => document.querySelector(`.pane[data-row="${key}"] canvas`).toDataURL(), key),
           before = await pane("sphere.unified.f64");
@@ -210,6 +210,5 @@ exports.promises = {
     colours,
     inspector,
     keyboard,
-    zoom,
     compare
 };

@@ -55,6 +55,8 @@ const SmallRun small_runs[] = {
      "rays", "summary.csv"},
     {"sweep sphere-tilt -i sphere.press -f f32 --seeds 0 --steps 4", "-i sphere.unified -f f64", "sphere-tilt",
      "samples.csv", false},
+    {"sweep sphere-height -i sphere.press -f f32 --steps 3,2 --set views=8", "-i sphere.unified -f f64 --pictures all",
+     "sphere-height", "samples.csv"},
     {"sweep extremes/contact -i sphere.press -f f32", "-i sphere.unified -f f64", "contact", "cases.csv", false},
     {"trade -i sphere.press -f f32 --repetitions 1 --quick", "-i sphere.unified -f f64", "sphere", "", false}};
 

@@ -104,7 +104,7 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
     const std::string file = scratch.write("s.toml", small_sweep + second);
     must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
     CHECK(read_csv(scratch / "s/samples.csv").size() == 20 * 5);
-    CHECK(fs::exists(scratch / "s/sphere.unified.f32.png"));
+    CHECK(fs::exists(scratch / "s/sphere.unified.f32.exr"));
     CHECK(!fs::exists(scratch / "s/onsets.csv"));  // an onset is a place on one axis
 }
 

@@ -17,23 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that goes away again.
-class ScratchFolder {
-public:
-    ScratchFolder() : path_(make_temporary_folder("lostbits-shader").string()) {}
-    ~ScratchFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    [[nodiscard]] fs::path operator/(const char* name) const { return fs::path(path_) / name; }
-    [[nodiscard]] const std::string& path() const { return path_; }
-
-private:
-    std::string path_;
-};
-
 std::string whole_file(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
@@ -68,9 +51,9 @@ void refuse_foreign_resources(const std::vector<std::uint32_t>& code) {
 }  // namespace
 
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language) {
-    const ScratchFolder folder;
-    std::ofstream(folder / "program.comp") << text;
-    const std::string command = "cd " + quoted(folder.path()) +
+    const TemporaryFolder folder("lostbits-shader");
+    std::ofstream(folder.path / "program.comp") << text;
+    const std::string command = "cd " + quoted(folder.path.string()) +
                                 " && { command -v glslangValidator || command -v glslang || exit 127; } >/dev/null && "
                                 "$(command -v glslangValidator || command -v glslang) -V " +
                                 (language == Language::hlsl ? "-D " : "") + "-e " + entry_of(language) +
@@ -79,8 +62,8 @@ std::vector<std::uint32_t> spirv_of(const std::string& text, Language language) 
     if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
         throw EnvironmentError(
             "vulkan: glslangValidator is missing (Debian: glslang-tools); it makes SPIR-V of shaders");
-    if (status != 0) throw CompileError(whole_file(folder / "log"));
-    const std::string bytes = whole_file(folder / "program.spv");
+    if (status != 0) throw CompileError(whole_file(folder.path / "log"));
+    const std::string bytes = whole_file(folder.path / "program.spv");
     std::vector<std::uint32_t> code(bytes.size() / sizeof(std::uint32_t));
     std::memcpy(code.data(), bytes.data(), code.size() * sizeof(std::uint32_t));
     if (language == Language::hlsl) refuse_foreign_resources(code);

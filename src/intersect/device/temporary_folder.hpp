@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "number/error.hpp"
 
@@ -26,6 +27,20 @@ namespace lostbits::intersect::device {
                                "; set TMPDIR to a folder that you may write to");
     return path;
 }
+
+/// Such a folder, which goes away again with all that is in it.
+class TemporaryFolder {
+public:
+    explicit TemporaryFolder(std::string_view name) : path(make_temporary_folder(name)) {}
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+    const std::filesystem::path path;
+};
 
 /// Whether the loader of libraries refused one for lack of memory. It does not say why it could not map a file: under a
 /// limit of the address space (`ulimit -v`) that is the reason.

@@ -34,9 +34,7 @@ std::vector<Worth> worth_of(const ChoiceRequest& request) {
     evaluate::EvaluationRequest asked{.scene = request.scene, .rows = request.rows, .metrics = request.wish.metrics()};
     asked.limit = request.limit;
     asked.progress = request.progress;
-    auto sinks = request.sinks;
-    sinks.resize(request.rows.size(), nullptr);
-    const auto summaries = evaluate::evaluate_rows(asked, sinks);
+    const auto summaries = evaluate::evaluate_rows(asked, request.shows);
     std::vector<Worth> all;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         all.push_back(worth_of(summaries[r], request.rows[r], request.wish));

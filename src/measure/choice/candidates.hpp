@@ -69,8 +69,7 @@ struct ChoiceRequest {
     bool single = false;  ///< one ray at a time, not a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
-    std::vector<evaluate::EvaluationSink*> sinks =
-        {};  ///< who is shown the rows of `measure_candidates`, in their order; or none
+    std::vector<evaluate::Show> shows = {};  ///< what `measure_candidates` shows its rows to, in their order; or none
     /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 

@@ -30,12 +30,6 @@ Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& 
         rows.emplace_back(request.scene->pixels(), request.wish, row.format.parameters.precision);
 }
 
-std::vector<evaluate::EvaluationSink*> Meetings::sinks() {
-    std::vector<evaluate::EvaluationSink*> all;
-    for (MeetsAt& row : rows) all.push_back(&row);
-    return all;
-}
-
 namespace {
 
 /// A row of either kind, in the order in which it is tried.
@@ -123,7 +117,7 @@ Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candi
             .scene = request.scene, .rows = request.untimed, .metrics = request.wish.metrics()};
         asked.limit = request.limit;
         asked.progress = request.progress;
-        (void)evaluate::evaluate_rows(asked, emulated.sinks());
+        (void)evaluate::evaluate_rows(asked, emulated.shows());
     }
     std::vector<TestedForm> rows = request.rows;
     rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());

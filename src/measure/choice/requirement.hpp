@@ -12,12 +12,12 @@ namespace lostbits::measure::choice {
 /// Of each pixel, whether a row meets the wish there: it decides rightly and, where the ray hits, t keeps the wished
 /// bits, within the tolerance. The wish's shares (`wrong`, `quantile`) are of many pixels and say nothing of one. The
 /// metrics of the request are the wish's.
-class MeetsAt final : public evaluate::EvaluationSink {
+class MeetsAt {
 public:
     MeetsAt(std::size_t pixels, const Wish& wish, int precision)
         : wish_(wish), precision_(precision), meets_(pixels), unresolved_(pixels) {}
 
-    void band(const evaluate::BandResult& result) override;
+    void band(const evaluate::BandResult& result);
     [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
     /// Nobody knows: the truth was not proved.
     [[nodiscard]] bool unresolved(std::size_t pixel) const { return unresolved_[pixel]; }
@@ -33,7 +33,7 @@ private:
 struct Meetings {
     std::vector<MeetsAt> rows;
     explicit Meetings(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
-    [[nodiscard]] std::vector<evaluate::EvaluationSink*> sinks();
+    [[nodiscard]] std::vector<evaluate::Show> shows() { return evaluate::shown_to_each(rows); }
 };
 
 struct Requirement {

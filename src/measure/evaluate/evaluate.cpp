@@ -244,9 +244,9 @@ std::vector<int> bands_of(int width, int height, shard::Share share) {
 
 namespace {
 
-/// Rows over the pixels of a scene whose rays are made as it says, into the summaries and sinks of their places.
+/// Rows over the pixels of a scene whose rays are made as it says, into the summaries of their places, and shown.
 void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const EvaluationRequest& request,
-              const std::vector<EvaluationSink*>& sinks, std::vector<FormSummary>& summaries) {
+              const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
     culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
@@ -255,8 +255,7 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ev
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
             const TestedForm& row = some.rows[k];
             const std::size_t r = some.places[k];
-            measure_row({row, request.metrics, shown_to(r < sinks.size() ? sinks[r] : nullptr)}, shared.of(row),
-                        summaries[r]);
+            measure_row({row, request.metrics, r < shows.size() ? shows[r] : Show()}, shared.of(row), summaries[r]);
             request.progress(band.pixels());
         });
     }
@@ -264,12 +263,12 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ev
 
 }  // namespace
 
-std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<EvaluationSink*>& sinks) {
+std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
     for (const RowsOfMaker& some : by_maker(request.rows)) {
-        if (some.maker) map_rows(with_rays(*request.scene, *some.maker), some, request, sinks, summaries);
-        else map_rows(*request.scene, some, request, sinks, summaries);
+        if (some.maker) map_rows(with_rays(*request.scene, *some.maker), some, request, shows, summaries);
+        else map_rows(*request.scene, some, request, shows, summaries);
     }
     return summaries;
 }

@@ -109,19 +109,15 @@ struct BandResult {
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, convention); }
 };
 
-/// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for
-/// one row; different rows are served at the same time.
-class EvaluationSink {
-public:
-    virtual ~EvaluationSink() = default;
-    virtual void band(const BandResult& result) = 0;
-};
-
-/// Is shown a row band by band; may be empty.
+/// Where a row's results go (files, plots, tests), or nothing. Called band by band from top to bottom, never
+/// concurrently for one row; different rows are shown at the same time.
 using Show = std::function<void(const BandResult&)>;
-/// By whom; null: nobody.
-inline Show shown_to(EvaluationSink* sink) {
-    return sink ? Show([sink](const BandResult& result) { sink->band(result); }) : Show();
+/// To the `band` of each of the readers, which outlive it: the rows in their order.
+template <class Readers>
+std::vector<Show> shown_to_each(Readers& readers) {
+    std::vector<Show> shows;
+    for (auto& reader : readers) shows.push_back([&reader](const BandResult& result) { reader.band(result); });
+    return shows;
 }
 
 /// What one row is to be measured by, and who is shown it.
@@ -162,9 +158,9 @@ struct EvaluationRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Runs the map; sinks[i] (may be null) receives rows[i]. Memory does not grow with the height of the picture, and the
+/// Runs the map; shows[i] is shown rows[i]. Memory does not grow with the height of the picture, and the
 /// results do not depend on the number of threads: bands are cut by the picture alone and each row is summed in order.
-std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<EvaluationSink*>& sinks);
+std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows);
 
 /// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
 int band_rows(int width);

@@ -1,6 +1,7 @@
 #include "measure/mend/judge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -26,9 +27,9 @@ namespace {
 constexpr std::size_t at_once = 48;
 
 /// The bits of all answers of a row, in order.
-class Bits final : public evaluate::EvaluationSink {
+class Bits {
 public:
-    void band(const evaluate::BandResult& result) override {
+    void band(const evaluate::BandResult& result) {
         const answer::Answers& a = *result.answers;
         for (std::size_t i = 0; i < a.hit.size(); ++i) {
             add(a.hit[i]);
@@ -79,9 +80,9 @@ struct Compared {
 };
 Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
     const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
-    Bits first, second;
-    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
-    return {worth.front(), first == second};
+    std::array<Bits, 2> bits;
+    const auto worth = judge.worth_of({form, row_like(form, other)}, evaluate::shown_to_each(bits));
+    return {worth.front(), bits[0] == bits[1]};
 }
 
 }  // namespace
@@ -129,13 +130,11 @@ void Judge::each_part(const std::function<void(const Part&)>& act) {
         for (const int y0 : bands()) act(Part(request_, *scene_, y0, *culler_));
 }
 
-std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
-                                   const std::vector<evaluate::EvaluationSink*>& sinks) {
-    return worth_of(rows, sinks, {});
+std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows, const std::vector<evaluate::Show>& shows) {
+    return worth_of(rows, shows, {});
 }
 
-std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
-                                   const std::vector<evaluate::EvaluationSink*>& sinks,
+std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows, const std::vector<evaluate::Show>& shows,
                                    const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.wish.metrics();
     std::vector<evaluate::FormSummary> summaries;
@@ -144,7 +143,7 @@ std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest asked{rows[r], metrics, evaluate::shown_to(sinks.empty() ? nullptr : sinks[r])};
+            evaluate::RowRequest asked{rows[r], metrics, shows.empty() ? evaluate::Show() : shows[r]};
             if (among) asked.answers = &*among;
             measure_row(asked, part.rows(), summaries[r]);
         });

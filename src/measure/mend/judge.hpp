@@ -46,9 +46,9 @@ public:
 
     /// In the order of the tapes.
     std::vector<Worth> worth_of(const std::vector<Tape>& tapes);
-    /// Of rows with the contract and format of the request's; `sinks`, none or as many, are shown what they answer.
+    /// Of rows with the contract and format of the request's; `shows`, none or as many, are shown what they answer.
     std::vector<Worth> worth_of(const std::vector<evaluate::TestedForm>& rows,
-                                const std::vector<evaluate::EvaluationSink*>& sinks = {});
+                                const std::vector<evaluate::Show>& shows = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -58,8 +58,7 @@ private:
     class Part;
     Judge(const MendRequest& request, const scene::file::Scene* scene);
     [[nodiscard]] std::vector<int> bands() const;
-    std::vector<Worth> worth_of(const std::vector<evaluate::TestedForm>& rows,
-                                const std::vector<evaluate::EvaluationSink*>& sinks,
+    std::vector<Worth> worth_of(const std::vector<evaluate::TestedForm>& rows, const std::vector<evaluate::Show>& shows,
                                 const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void each_part(const std::function<void(const Part&)>& act);
 

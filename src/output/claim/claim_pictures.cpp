@@ -92,7 +92,7 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
     map::MapFiles sheet(
         request,
         {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = shown.folder / "pictures" / file});
-    sheet.finish(measure::evaluate::evaluate_rows(request, sheet.sinks()));
+    sheet.finish(measure::evaluate::evaluate_rows(request, sheet.shows()));
     return picture_link(scene.title, file);
 }
 

@@ -121,11 +121,11 @@ public:
                       fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
                       ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
-    void send_to(measure::evaluate::EvaluationSink& map) { map_ = &map; }
+    void send_to(measure::evaluate::Show map) { map_ = std::move(map); }
     void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
         worst_.look_at(chunk.first, result);
         for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
-        map_->band(result);
+        map_(result);
     }
     [[nodiscard]] WorstRays& worst() { return worst_; }
     [[nodiscard]] std::optional<table::TableFile<JudgedRay>>& rows() { return rows_; }
@@ -136,7 +136,7 @@ public:
 private:
     const TestedForm& row_;
     WorstRays worst_;
-    measure::evaluate::EvaluationSink* map_ = nullptr;
+    measure::evaluate::Show map_ = {};
     std::optional<table::TableFile<JudgedRay>> rows_;
 };
 
@@ -184,8 +184,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
-    const auto sinks = p.map->sinks();
-    for (std::size_t r = 0; r < sinks.size(); ++r) p.rows[r]->send_to(*sinks[r]);
+    const auto shows = p.map->shows();
+    for (std::size_t r = 0; r < shows.size(); ++r) p.rows[r]->send_to(shows[r]);
 }
 
 JudgeFiles::~JudgeFiles() = default;

@@ -3,72 +3,41 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/machine.hpp"
 #include "output/map/map_pictures.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_files.hpp"
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
 
+using measure::evaluate::BandResult;
 using measure::evaluate::EvaluationRequest;
-using measure::evaluate::EvaluationSink;
 using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
 
-/// The files of one row.
-class RowFiles final : public EvaluationSink {
-public:
-    RowFiles(const EvaluationRequest& request, std::size_t place, const MapFilesOptions& options, MapPictures& pictures)
-        : place_(place), row_(request.rows[place]), options_(options), pictures_(pictures) {
-        if (options.pixels_csv)
-            csv_.emplace(options.keep ? "" : options.folder, row_name(row_) + ".csv",
-                         fmt::format("One row per pixel: {} in {}", row_.form->info->name, row_.format.name),
-                         pixel_table(request.metrics));
-    }
+namespace {
 
-    void band(const measure::evaluate::BandResult& result) override {
-        MapPiece piece{.y0 = result.y0, .strips = pictures_.draw(place_, result)};
-        if (options_.exr)
-            piece.exr = options_.exr->rows_of(row_, result,
-                                              piece.strips.empty() ? outcomes_of(result) : piece.strips[0].colours);
-        for (std::size_t i = 0; csv_ && i < result.outcomes.size(); ++i) csv_->add({&result, i, &row_});
-        if (csv_ && options_.keep) piece.lines = csv_->take_lines();
-        if (options_.keep) options_.keep(place_, std::move(piece));
-        else put(piece);
-    }
+using MapRowFiles = RowFiles<BandResult, BandRay>;
 
-    void put(const MapPiece& piece) {
-        pictures_.put(place_, piece.y0, piece.strips);
-        if (options_.exr) options_.exr->write(piece.exr);
-        if (csv_) csv_->add_lines(piece.lines);
-    }
+/// The preview of a row that none of the metrics applies to.
+std::vector<image::Rgb8> outcomes_of(const BandResult& result) {
+    std::vector<image::Rgb8> field(result.outcomes.size());
+    std::ranges::transform(result.outcomes, field.begin(), pixel::colour_of);
+    return field;
+}
 
-    /// Of its pixels, where there is one.
-    [[nodiscard]] std::optional<table::TableFile<BandRay>>& table() { return csv_; }
-
-private:
-    /// The preview of a row that none of the metrics applies to.
-    static std::vector<image::Rgb8> outcomes_of(const measure::evaluate::BandResult& result) {
-        std::vector<image::Rgb8> field(result.outcomes.size());
-        std::ranges::transform(result.outcomes, field.begin(), pixel::colour_of);
-        return field;
-    }
-
-    std::size_t place_;
-    const TestedForm& row_;
-    const MapFilesOptions& options_;
-    MapPictures& pictures_;
-    std::optional<table::TableFile<BandRay>> csv_;
-};
+}  // namespace
 
 struct MapFiles::Parts {
     const EvaluationRequest& request;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
-    std::vector<std::unique_ptr<RowFiles>> rows = {};
+    std::deque<MapRowFiles> rows = {};
     std::optional<table::TableFile<SummaryRow>> summary = {};
     std::optional<table::TableFile<Culprit>> culprits = {};
 
@@ -82,6 +51,21 @@ struct MapFiles::Parts {
         table.set_meaning("worst_x", "place in the file, from 0, of the ray with the largest |ulp_error|");
         table.set_meaning("worst_y", "0");
         return table;
+    }
+    void add_row(std::size_t r) {
+        const TestedForm& row = request.rows[r];
+        std::unique_ptr<table::TableFile<BandRay>> pixels;
+        if (options.pixels_csv)
+            pixels = std::make_unique<table::TableFile<BandRay>>(
+                options.keep ? "" : options.folder, row_name(row) + ".csv",
+                fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
+                pixel_table(request.metrics));
+        const auto exr_rows = [&row, exr = options.exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+            return preview.empty() ? exr->rows_of(row, band, outcomes_of(band)) : exr->rows_of(row, band, preview);
+        };
+        const auto pixel = [&row](const BandResult& band, std::size_t i) { return BandRay{&band, i, &row}; };
+        const BandFiles<BandResult> files{pictures->files(), options.exr, options.keep};
+        rows.emplace_back(r, files, MapRowFiles::Writers{exr_rows, pixel}, std::move(pixels));
     }
 };
 
@@ -101,17 +85,12 @@ MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& opti
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
     p.pictures.emplace(request, p.options);
-    for (std::size_t r = 0; r < request.rows.size(); ++r)
-        p.rows.push_back(std::make_unique<RowFiles>(request, r, p.options, *p.pictures));
+    for (std::size_t r = 0; r < request.rows.size(); ++r) p.add_row(r);
 }
 
 MapFiles::~MapFiles() = default;
 
-std::vector<EvaluationSink*> MapFiles::sinks() {
-    std::vector<EvaluationSink*> sinks;
-    for (const auto& row : parts_->rows) sinks.push_back(row.get());
-    return sinks;
-}
+std::vector<measure::evaluate::Show> MapFiles::shows() { return measure::evaluate::shown_to_each(parts_->rows); }
 
 void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->put(piece); }
 

@@ -35,7 +35,7 @@ struct MapFilesOptions {
     std::filesystem::path sheet_alone = {};
 };
 
-/// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final
+/// Opens every file of a map at once, before any work; is shown its rows; and gives all files their final
 /// names in `finish`. Destroyed without `finish`, it leaves nothing under a final name.
 class MapFiles {
 public:
@@ -45,7 +45,7 @@ public:
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// One sink a row of the request, in its order.
-    [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
+    [[nodiscard]] std::vector<measure::evaluate::Show> shows();
     /// The next piece of a row, as another run kept it.
     void put(std::size_t row, MapPiece&& piece);
     void finish(const std::vector<measure::evaluate::FormSummary>& summaries,

@@ -164,12 +164,12 @@ bool MapPictures::is_enveloped(const Metric& drawn) const {
 }
 
 /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
-/// compiled elsewhere leaves nothing to explain.
+/// compiled elsewhere leaves nothing to explain, and a ray of a file has no scene.
 std::string MapPictures::worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst()) return "";
     const TestedForm& row = request_.rows[drawing.row];
     const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
-    if (!row.form->record) return place;
+    if (!row.form->record || options_.named.empty()) return place;
     return place + ": " +
            blame::explain_command(blame::name_of_pixel(options_.named, static_cast<int>(worst.x), worst.y), row);
 }
@@ -222,9 +222,12 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
         lines.push_back(fmt::format("forms: fewest wrong decisions in {} first, then the least p99 of lost bits there",
                                     rows.front().format.name));
     if (paint.names_worst())
-        lines.push_back(fmt::format(
-            "worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} says how its answer came about",
-            named, blame::where_forms_are_from()));
+        lines.push_back(
+            named.empty()
+                ? "worst pixel: the command that explains its ray is worst_explain in summary.csv"
+                : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} says how its "
+                              "answer came about",
+                              named, blame::where_forms_are_from()));
     std::erase(lines, "");
     return lines;
 }

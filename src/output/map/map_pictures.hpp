@@ -26,7 +26,7 @@ namespace lostbits::output::map {
                                      std::span<const measure::evaluate::TestedForm> rows);
 
 /// The lines below the title of a contact sheet, on which one metric has `several` bars or not; `named` is what names
-/// the scene to `lostbits explain`. Without rows nothing is said of inputs.
+/// the scene to `lostbits explain`, empty for rays of a file. Without rows nothing is said of inputs.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
                                                       std::span<const measure::evaluate::TestedForm> rows,
                                                       const MetricPaint& paint, bool several);
@@ -67,11 +67,8 @@ public:
     /// Both must outlive it.
     MapPictures(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
 
-    /// Of each of a row's pictures, the first of which is also the preview's.
-    [[nodiscard]] std::vector<pixel::Strip> draw(std::size_t row, const measure::evaluate::BandResult& band) const {
-        return files_.draw(row, band, band.outcomes.size());
-    }
-    void put(std::size_t row, int y0, const std::vector<pixel::Strip>& strips) { files_.put(row, y0, strips); }
+    /// The first of a row's pictures is also the preview's.
+    [[nodiscard]] pixel::ColumnFiles<measure::evaluate::BandResult>& files() { return files_; }
     /// Draws the pages and gives the files their final names.
     void finish(const std::vector<measure::evaluate::FormSummary>& summaries);
 

@@ -7,6 +7,7 @@
 
 #include "measure/metric/statistics.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/map/row_files.hpp"
 #include "output/pixel/columns.hpp"
 #include "output/table/table.hpp"
 
@@ -134,45 +135,9 @@ Table<NeededPixel> needed_pixel_table(int bits) {
          [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
 }
 
+using NeededFormFiles = RowFiles<NeededBand, NeededPixel>;
+
 }  // namespace
-
-/// The files of one form.
-class NeededFormFiles {
-public:
-    NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
-                    NeededColumns& pictures)
-        : place_(place), options_(options), pictures_(pictures) {
-        const Info& form = *request.forms[place]->info;
-        if (options.pixels_csv)
-            csv_.emplace(options.keep ? "" : options.folder, stem(form) + ".csv",
-                         fmt::format("One row per pixel: bits needed by {}", form.name),
-                         needed_pixel_table(request.bits));
-    }
-
-    void band(const NeededBand& result) {
-        MapPiece piece{.y0 = result.y0, .strips = pictures_.draw(place_, result, result.needed.size())};
-        if (options_.exr) piece.exr = options_.exr->rows_of(result, piece.strips[0].colours);
-        for (std::size_t i = 0; csv_ && i < result.needed.size(); ++i) csv_->add({&result, i, result.truth(i)});
-        if (csv_ && options_.keep) piece.lines = csv_->take_lines();
-        if (options_.keep) options_.keep(place_, std::move(piece));
-        else put(piece);
-    }
-
-    void put(const MapPiece& piece) {
-        pictures_.put(place_, piece.y0, piece.strips);
-        if (options_.exr) options_.exr->write(piece.exr);
-        if (csv_) csv_->add_lines(piece.lines);
-    }
-
-    /// Of its pixels, where there is one.
-    [[nodiscard]] std::optional<table::TableFile<NeededPixel>>& table() { return csv_; }
-
-private:
-    std::size_t place_;  ///< of the form in the request
-    const NeededFilesOptions& options_;
-    NeededColumns& pictures_;
-    std::optional<table::TableFile<NeededPixel>> csv_;
-};
 
 struct NeededFiles::Parts {
     const NeededRequest& request;
@@ -180,6 +145,22 @@ struct NeededFiles::Parts {
     std::optional<table::TableFile<NeededRow>> table = {};
     NeededColumns pictures = pictures_of(request, options);
     std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
+
+    void add_form(std::size_t place) {
+        const Info& form = *request.forms[place]->info;
+        std::unique_ptr<table::TableFile<NeededPixel>> pixels;
+        if (options.pixels_csv)
+            pixels = std::make_unique<table::TableFile<NeededPixel>>(
+                options.keep ? "" : options.folder, stem(form) + ".csv",
+                fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
+        const auto exr_rows = [exr = options.exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
+            return exr->rows_of(band, preview);
+        };
+        const auto pixel = [](const NeededBand& band, std::size_t i) { return NeededPixel{&band, i, band.truth(i)}; };
+        const BandFiles<NeededBand> files{pictures, options.exr, options.keep};
+        forms.push_back(std::make_unique<NeededFormFiles>(place, files, NeededFormFiles::Writers{exr_rows, pixel},
+                                                          std::move(pixels)));
+    }
 };
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
@@ -188,8 +169,7 @@ NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions&
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), needed_table());
-    for (std::size_t form = 0; form < request.forms.size(); ++form)
-        parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, form, parts_->options, parts_->pictures));
+    for (std::size_t form = 0; form < request.forms.size(); ++form) parts_->add_form(form);
 }
 
 NeededFiles::~NeededFiles() = default;

@@ -20,7 +20,6 @@ namespace lostbits::output::page {
 using intersect::Direction;
 using measure::evaluate::BandResult;
 using measure::evaluate::EvaluationRequest;
-using measure::evaluate::EvaluationSink;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
@@ -66,38 +65,30 @@ struct MapData::Group {
           bound(2, n),
           condition(4, n) {}
 
-    /// Neighbours' truths lie nearly on a line: of each is kept how far its bits are from where the two before it point
-    /// to. A band holds whole rows, so within one no neighbour is missing.
-    [[nodiscard]] static std::uint64_t pointed_to(std::uint64_t before, std::uint64_t last) {
-        return 2 * last - before;
-    }
-
     [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
                maker == scene::rays::maker_of(*row.form);
     }
 
-    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
-
     void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
         const measure::truth::Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
-        if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
+        if (i % static_cast<std::size_t>(result.width) == 0) truths_.begin_row();
         if (!t.is_hit()) return;
         const measure::truth::Certified& exact = direction == Direction::unit ? t.distance : t.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
-        const auto bits = std::bit_cast<std::uint64_t>(rounded);
-        truth.set(at, folded_difference(bits, before_ == 0 ? last_ : pointed_to(before_, last_), 8));
-        before_ = last_;
-        last_ = bits;
+        truth.set(at, truths_.take(std::bit_cast<std::uint64_t>(rounded), 8));
         rest.set(at, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
         bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
         if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, convention)));
     }
+
+private:
+    LineOfHits truths_;
 };
 
-class MapData::Row final : public EvaluationSink {
+class MapData::Row {
 public:
     Row(const EvaluationRequest& request, const TestedForm& row, std::size_t n, std::size_t group, Group* filled)
         : row_(row),
@@ -161,19 +152,16 @@ private:
         return std::bit_cast<std::uint64_t>(t);
     }
 
-    /// Of every true hit, as far off as its bits are from where those of the two hits before point to.
+    /// Of every true hit.
     void set_inherent(Layer& layer, std::size_t at, std::size_t i, const BandResult& result) {
-        if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;
+        if (i % static_cast<std::size_t>(result.width) == 0) inherent_bits_.begin_row();
         const measure::truth::Truth truth = result.truth(i);
         if (!truth.is_hit()) return;
         const Direction direction = row_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
         const double costs = measure::truth::inherent_bits(
             reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.parameters);
-        const std::uint64_t bits = image::float_word(costs);
-        layer.set(at, folded_difference(bits, before_ == 0 ? last_ : Group::pointed_to(before_, last_), 4));
-        before_ = last_;
-        last_ = bits;
+        layer.set(at, inherent_bits_.take(image::float_word(costs), 4));
     }
 
     struct Stored {
@@ -185,8 +173,8 @@ private:
     Group* filled_;
     bool with_condition_ = false;
     std::optional<std::size_t> inherent_ = {};  ///< the place of `inherent_bits`
-    std::uint64_t last_ = 0, before_ = 0;       ///< bits of the two of them before, in this row of the picture; 0: none
-    std::optional<std::size_t> ulps_ = {};      ///< and that of `ulp_error`
+    LineOfHits inherent_bits_ = {};
+    std::optional<std::size_t> ulps_ = {};  ///< and that of `ulp_error`
     Layer outcome_, object_, t_;
     std::vector<float> sizes_;
     std::vector<Stored> stored_;
@@ -205,9 +193,9 @@ MapData::MapData(const EvaluationRequest& request) : request_(request) {
 
 MapData::~MapData() = default;
 
-std::vector<EvaluationSink*> MapData::sinks() {
-    std::vector<EvaluationSink*> all;
-    for (const auto& row : rows_) all.push_back(row.get());
+std::vector<measure::evaluate::Show> MapData::shows() {
+    std::vector<measure::evaluate::Show> all;
+    for (const auto& row : rows_) all.push_back([&row](const BandResult& result) { row->band(result); });
     return all;
 }
 

@@ -55,7 +55,7 @@ public:
     MapData& operator=(const MapData&) = delete;
 
     /// One per row of the request, in its order.
-    [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
+    [[nodiscard]] std::vector<measure::evaluate::Show> shows();
 
     /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
     /// claims have the same rays. `named`: the scene in its size, as words of a command.

@@ -46,4 +46,20 @@ private:
     return ((d << 1) & all) ^ (negative ? all : 0);
 }
 
+/// Numbers of neighbouring true hits lie nearly on a line: of each is kept how far its bits are from where the two
+/// before it point to, in its row of the picture. A band holds whole rows, so within one no neighbour is missing.
+class LineOfHits {
+public:
+    void begin_row() { last_ = before_ = 0; }
+    [[nodiscard]] std::uint64_t take(std::uint64_t bits, int width) {
+        const std::uint64_t off = folded_difference(bits, before_ == 0 ? last_ : 2 * last_ - before_, width);
+        before_ = last_;
+        last_ = bits;
+        return off;
+    }
+
+private:
+    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two before; 0: none
+};
+
 }  // namespace lostbits::output::page

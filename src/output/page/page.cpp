@@ -1,6 +1,7 @@
 #include "output/page/page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -258,11 +259,11 @@ std::string claims_body(const Report& report) {
 
 /// What was typed.
 std::string made_body(const Report& report) {
-    const std::string what = report.maps.empty() && report.sweeps.empty()
-                                 ? ""
-                                 : fmt::format("{}, {}. ", scene::toml::counted(report.maps.size(), "map"),
-                                               scene::toml::counted(report.sweeps.size(), "sweep"));
-    return fmt::format("<p>{}Made by:</p>\n", what) + preformatted(html(report.command));
+    std::vector<std::string> parts;
+    if (!report.maps.empty()) parts.push_back(counted(report.maps.size(), "map"));
+    if (!report.sweeps.empty()) parts.push_back(counted(report.sweeps.size(), "sweep"));
+    return fmt::format("<p>{}{}Made by:</p>\n", fmt::join(parts, ", "), parts.empty() ? "" : ". ") +
+           preformatted(html(report.command));
 }
 
 struct Section {

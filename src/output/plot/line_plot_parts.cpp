@@ -6,7 +6,6 @@
 
 namespace lostbits::output::plot {
 
-using image::ImageBackend;
 using image::Point;
 using image::Stroke;
 

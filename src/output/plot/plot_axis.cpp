@@ -7,7 +7,6 @@
 
 namespace lostbits::output::plot {
 
-using image::ImageBackend;
 using image::TextBitmap;
 
 namespace {

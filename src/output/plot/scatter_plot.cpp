@@ -12,7 +12,6 @@
 namespace lostbits::output::plot {
 
 using image::Canvas;
-using image::ImageBackend;
 using image::Point;
 using image::Rgb8;
 using image::Stroke;

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <ranges>
 
 #include "output/file/number_text.hpp"
+#include "output/image/contact_sheet.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
+#include "output/pixel/look.hpp"
 #include "output/plot/cell_plots.hpp"
 
 namespace lostbits::output::sweep {
@@ -91,55 +95,155 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
     return steps_[i * y.size() + j].rows[row];
 }
 
-void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
-                         const std::vector<SweepStep>& steps, std::size_t row) {
-    const auto& axes = request.sweep.axes;
-    const TestedForm& what = request.rows[row];
+namespace {
+
+/// What a plane shows of a row.
+struct DrawnPlane {
+    std::vector<plot::PlaneCell> cells = {};  ///< as `PlanePlotSpec` has them
+    std::vector<bool> is_explained = {};      ///< of each: see `map::inside_envelope`
+    FormSummary wrong = {};                   ///< cells that have an outcome's colour, among all
+    bool any_outlined = false, any_few = false;
+};
+
+DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
                       excess = measure::metric::place_of(request.metrics, "excess_bits");
-    const SweepGrid plane(request, steps);
-    plot::PlanePlotSpec spec{
-        .title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
-        .subtitle = {request.sweep.title},
-        .x_axis = plot_axis(axes[0]),
-        .y_axis = plot_axis(axes[1]),
-        .x = plane.x,
-        .y = plane.y,
-        .cells = {},
-        .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters),
-        .unit = "lost bits",
-        .legend = {}};
-    FormSummary drawn;
-    bool any_outlined = false, few = false;
+    DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             const FormSummary& s = plane.at(row, column, line);
             plot::PlaneCell cell;
-            ++drawn.rays;
+            bool explained = false;
+            ++drawn.wrong.rays;
             if (wrong_share(s) <= 0.5) {
                 cell.value = drawn_quantile(s, lost, 0.99);
-                few |= s.true_hits > 0 && !s.agreement().is_enough();
-                cell.outlined = cell.value >= 1 && s.metrics[excess].quantile(0.99) >= 1;
-                any_outlined |= cell.outlined;
+                drawn.any_few |= s.true_hits > 0 && !s.agreement().is_enough();
+                const double beyond = s.metrics[excess].quantile(0.99);
+                cell.outlined = cell.value >= 1 && beyond >= 1;
+                explained = map::inside_envelope(cell.value, beyond);
+                drawn.any_outlined |= cell.outlined;
             } else {
                 const Outcome worst = s.wrong().value();
-                cell.colour = image::outcome_colours[static_cast<std::size_t>(worst)];
-                ++drawn.outcomes[static_cast<std::size_t>(worst)];
+                cell.colour = pixel::colour_of(worst);
+                ++drawn.wrong.outcomes[static_cast<std::size_t>(worst)];
             }
-            spec.cells.push_back(cell);
+            drawn.cells.push_back(cell);
+            drawn.is_explained.push_back(explained);
         }
     }
-    spec.legend = map::outcome_legend(drawn);
-    spec.subtitle.push_back(std::string(any_outlined ? outlined_means : nowhere_outlined) + ".");
-    if (few) spec.none_means = gap_means();
-    plot::write_plane_plot(path, spec);
+    return drawn;
 }
 
-void write_plane(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                 std::size_t row) {
-    const std::string stem = map::row_name(request.rows[row]);
-    write_plane_picture(folder / (stem + ".png"), request, steps, row);
-    write_exr(folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
+constexpr image::Rgb8 no_value = image::outcome_colours[0];  // as a correct hit without a value on other sheets
+
+/// The cells from the top, as a sheet shows them: it has no room for outlines.
+std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
+                                    const FloatFormat& format) {
+    std::vector<image::Rgb8> colours;
+    for (std::size_t line = drawn.cells.size() / width; line-- > 0;) {
+        for (std::size_t k = line * width; k < (line + 1) * width; ++k) {
+            const plot::PlaneCell& cell = drawn.cells[k];
+            const image::Rgb8 colour = cell.colour              ? *cell.colour
+                                       : std::isnan(cell.value) ? no_value
+                                                                : scale.colour(cell.value, format);
+            colours.push_back(drawn.is_explained[k] ? map::paler(colour) : colour);
+        }
+    }
+    return colours;
+}
+
+/// `p99 3.2 to 11.7 bits`, and how many steps have no p99.
+std::string note_of(const DrawnPlane& drawn) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const plot::PlaneCell& cell : drawn.cells) {
+        if (cell.colour || std::isnan(cell.value)) continue;
+        low = std::min(low, cell.value);
+        high = std::max(high, cell.value);
+    }
+    std::string note = low <= high ? fmt::format("p99 {:.1f} to {:.1f} bits", low, high) : "no p99";
+    if (const std::uint64_t wrong = drawn.wrong.wrong_count())
+        note += fmt::format("\n{} of {} steps mostly wrong", wrong, drawn.cells.size());
+    return note;
+}
+
+}  // namespace
+
+void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
+                         const std::vector<SweepStep>& steps, std::size_t row) {
+    const auto& axes = request.sweep.axes;
+    const TestedForm& what = request.rows[row];
+    const SweepGrid plane(request, steps);
+    const DrawnPlane drawn = drawn_plane(request, plane, row);
+    plot::write_plane_plot(
+        path,
+        {.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
+         .subtitle = {request.sweep.title, std::string(drawn.any_outlined ? outlined_means : nowhere_outlined) + "."},
+         .x_axis = plot_axis(axes[0]),
+         .y_axis = plot_axis(axes[1]),
+         .x = plane.x,
+         .y = plane.y,
+         .cells = drawn.cells,
+         .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters),
+         .unit = "lost bits",
+         .legend = map::outcome_legend(drawn.wrong),
+         .none_means = drawn.any_few ? gap_means() : "no value"});
+}
+
+void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
+                       const std::vector<SweepStep>& steps) {
+    const SweepGrid plane(request, steps);
+    const map::LostBitsScale scale(request.rows);
+    const map::RowGrid grid(request.rows);
+    std::vector<DrawnPlane> all;
+    FormSummary wrong;
+    bool any_none = false, any_explained = false;
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const DrawnPlane& drawn = all.emplace_back(drawn_plane(request, plane, r));
+        for (std::size_t o = 0; o < wrong.outcomes.size(); ++o) wrong.outcomes[o] += drawn.wrong.outcomes[o];
+        wrong.rays += drawn.wrong.rays;
+        any_none |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
+        any_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
+    }
+    std::vector<image::LegendEntry> legend = map::outcome_legend(wrong);
+    for (image::LegendEntry& entry : legend) entry.count.clear();
+    if (any_none) legend.push_back({gap_means(), no_value, ""});
+    if (any_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
+    const auto along = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
+        return fmt::format("{}, from {} to {}", plot_axis(axis).title, image::tick_label(values.front(), 4),
+                           image::tick_label(values.back(), 4));
+    };
+    const auto& axes = request.sweep.axes;
+    image::ContactSheet sheet(
+        path,
+        {.title = request.sweep.title,
+         .subtitle = {fmt::format("to the right: {}; upwards: {}", along(axes[0], plane.x), along(axes[1], plane.y)),
+                      "colour: what 99 of 100 agreed hits lose at most; where most rays are decided wrongly, what "
+                      "most of them are"},
+         .forms = grid.forms,
+         .formats = grid.formats,
+         .field_width = static_cast<int>(plane.x.size()),
+         .field_height = static_cast<int>(plane.y.size()),
+         .scales = {scale.bar()},
+         .unit = scale.unit(),
+         .legend = legend,
+         .note_lines = 2});
+    for (std::size_t r = 0; r < all.size(); ++r) {
+        const auto& [form, format] = grid.places[r];
+        sheet.add_rows(form, format, 0, colours_of(all[r], plane.x.size(), scale, request.rows[r].format.parameters));
+        sheet.set_note(form, format, note_of(all[r]));
+    }
+    sheet.finish(legend);
+}
+
+void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                  bool singles) {
+    const SweepGrid plane(request, steps);
+    write_plane_sheet(folder / "contact.png", request, steps);
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const std::string stem = map::row_name(request.rows[r]);
+        if (singles) write_plane_picture(folder / (stem + ".png"), request, steps, r);
+        write_exr(folder / (stem + ".exr"), request, plane, r);
+    }
 }
 
 }  // namespace lostbits::output::sweep

@@ -308,12 +308,9 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     return formats;
 }
 
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep) {
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool singles) {
     const SweepRequest& request = sweep.request;
-    if (request.sweep.axes.size() == 2) {
-        for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(folder, request, sweep.steps, row);
-        return;
-    }
+    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, singles);
     for (const Format& format : formats_of(sweep)) {
         const auto file = [&](const std::string& name) { return folder / fmt::format("{}.{}.png", name, format.name); };
         write_lost_bits_plot(file("lost_bits_p50"), sweep, format, 0.5);

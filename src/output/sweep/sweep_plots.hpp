@@ -29,9 +29,9 @@ double wrong_share(const measure::evaluate::FormSummary& s);
 /// (inherent bits, where the request measures them) and the sweep's own marks; `false_hit.<format>.png` and
 /// `false_miss.<format>.png`, the share of rays that are so, and the same of other wrong outcomes that occur; where
 /// culprits are measured, `culprit.<form>.<format>.png`, and where steps of spaces are, `steps.<form>.<format>.png`
-/// with the place where the median of each is first seen to be an ulp. Two axes: a plane a
-/// row.
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep);
+/// with the place where the median of each is first seen to be an ulp. Two axes: see `write_planes`, which alone asks
+/// for `singles`.
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool singles = false);
 
 /// Of a picture, in pixels.
 struct PlotSize {
@@ -70,15 +70,18 @@ inline constexpr const char* outlined_means =
 inline constexpr const char* nowhere_outlined =
     "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
 
-/// `<form>.<format>.png`: the 99th percentile of lost bits, the colour of the most frequent wrong outcome where most
-/// rays have one, outlined where the form is to blame, hatched where too few hits agree. `<form>.<format>.exr`: columns
-/// are the first axis's values in rising order, rows the second's from the top, the highest first; the values stand in
-/// the attributes.
-void write_plane(const std::filesystem::path& folder, const measure::sweep::SweepRequest& request,
-                 const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
-/// The picture alone.
+/// `contact.png`: a plane of each form and format. With `singles` also each alone, `<form>.<format>.png`: the 99th
+/// percentile of lost bits, the colour of the most frequent wrong outcome where most rays have one, outlined where the
+/// form is to blame, hatched where too few hits agree. `<form>.<format>.exr`: columns are the first axis's values in
+/// rising order, rows the second's from the top, the highest first; the values stand in the attributes.
+void write_planes(const std::filesystem::path& folder, const measure::sweep::SweepRequest& request,
+                  const std::vector<measure::sweep::SweepStep>& steps, bool singles);
+/// One of the single pictures.
 void write_plane_picture(const std::filesystem::path& path, const measure::sweep::SweepRequest& request,
                          const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
+/// The sheet. A step has one colour there, paler in place of an outline around the others (`map::paler_means`).
+void write_plane_sheet(const std::filesystem::path& path, const measure::sweep::SweepRequest& request,
+                       const std::vector<measure::sweep::SweepStep>& steps);
 
 /// A quantile of a metric over agreed hits; NaN, which is a gap in a line, where too few hits agree.
 [[nodiscard]] double drawn_quantile(const measure::evaluate::FormSummary& s, std::size_t metric, double q);

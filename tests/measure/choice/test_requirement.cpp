@@ -25,10 +25,10 @@ std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::i
 }
 
 /// Outcomes and lost bits of a row, pixel by pixel.
-struct Kept final : measure::evaluate::EvaluationSink {
+struct Kept {
     std::vector<Outcome> outcomes;
     std::vector<double> lost;
-    void band(const measure::evaluate::BandResult& r) override {
+    void band(const measure::evaluate::BandResult& r) {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         lost.insert(lost.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
@@ -43,7 +43,8 @@ std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<Tes
     std::vector<Kept> kept(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
         measure::evaluate::evaluate_rows(
-            {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}}, {&kept[r]});
+            {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
+            {[&one = kept[r]](const auto& band) { one.band(band); }});
     }
     return kept;
 }
@@ -60,7 +61,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& ro
     Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement = {}};
     asked.request.wish.bits = bits;
     Meetings meetings(asked.request, rows);
-    asked.request.sinks = meetings.sinks();
+    asked.request.shows = meetings.shows();
     const auto worth = worth_of(asked.request);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         asked.all.push_back({.row = rows[r], .worth = worth[r]});

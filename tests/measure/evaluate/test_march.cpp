@@ -27,10 +27,10 @@ std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& sce
 }
 
 /// Checks ray by ray what a band shows.
-class Checker final : public measure::evaluate::EvaluationSink {
+class Checker {
 public:
     explicit Checker(int max_steps) : max_steps_(max_steps) {}
-    void band(const measure::evaluate::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const intersect::MarchRecord& m = result.answers->march[i];
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i],
@@ -66,9 +66,7 @@ TEST_CASE("input, model and rounding error of a march sum to its error", "[measu
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    std::vector<measure::evaluate::EvaluationSink*> sinks;
-    for (Checker& c : checkers) sinks.push_back(&c);
-    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
+    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(checkers));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
                                               << checkers[r].without_self);

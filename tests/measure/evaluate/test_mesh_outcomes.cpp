@@ -44,11 +44,11 @@ private:
 };
 
 /// Recounts the outcomes of a band from every triangle asked alone.
-class Recount final : public measure::evaluate::EvaluationSink {
+class Recount {
 public:
     Recount(const measure::evaluate::TestedForm& row, const Meetings& meetings) : row_(row), meetings_(meetings) {}
 
-    void band(const measure::evaluate::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) {
         const auto& in = *result.inputs;
         const auto& mesh = in.solids.mesh()->mesh();
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
@@ -144,9 +144,7 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
         std::vector<Recount> again;
         const Meetings meetings(scene);
         for (const auto& row : request.rows) again.emplace_back(row, meetings);
-        std::vector<measure::evaluate::EvaluationSink*> sinks;
-        for (Recount& one : again) sinks.push_back(&one);
-        const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
+        const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {
             INFO(scene.id << ", " << request.rows[r].form->info->name);
             CHECK(again[r].wrong == 0);

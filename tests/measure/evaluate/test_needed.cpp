@@ -21,10 +21,10 @@ using test::load;
 namespace {
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
-struct Collected final : EvaluationSink {
+struct Collected {
     std::vector<Outcome> outcomes;
     std::vector<double> correct;
-    void band(const BandResult& r) override {
+    void band(const BandResult& r) {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         correct.insert(correct.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
@@ -38,9 +38,7 @@ std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::
     EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
-    std::vector<EvaluationSink*> sinks;
-    for (Collected& c : all) sinks.push_back(&c);
-    evaluate_rows(request, sinks);
+    evaluate_rows(request, shown_to_each(all));
     return all;
 }
 

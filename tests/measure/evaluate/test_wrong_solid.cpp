@@ -1,4 +1,5 @@
 // A hit of another solid than the ray meets first: an outcome of its own, on which no error is measured.
+#include <array>
 #include <cmath>
 
 #include "catch.hpp"
@@ -15,9 +16,9 @@ using measure::evaluate::FormSummary;
 namespace {
 
 /// Counts for itself what a band shows.
-class Recount final : public measure::evaluate::EvaluationSink {
+class Recount {
 public:
-    void band(const measure::evaluate::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const auto truth = result.truth(i);
             const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);
@@ -40,8 +41,9 @@ TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured t
         .scene = &scene,
         .rows = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
-    Recount single, wide;
-    const auto summaries = measure::evaluate::evaluate_rows(request, {&single, &wide});
+    std::array<Recount, 2> counts;
+    const auto& [single, wide] = counts;
+    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(counts));
     CHECK(single.wrong > 500);
     CHECK(wide.wrong == 0);
     CHECK(single.mistaken + wide.mistaken == 0);

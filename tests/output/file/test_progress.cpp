@@ -109,20 +109,18 @@ TEST_CASE("a short run hears no estimate, nor does a quiet one") {
               Estimate estimate(progress, "s", 1000, false);
               for (int i = 0; i < 1000; ++i) estimate.advance(1);
           }).empty());
-    std::string quietly;
-    const std::string once = written([&](int fd) {
-        quietly = written([&](int quiet_fd) {
-            Progress heard(1000000, "s", Progress::Mode::none, false, fd),
-                quiet(1000000, "s", Progress::Mode::none, true, quiet_fd);
-            Estimate of_heard(heard, "s", 1000000, false), of_quiet(quiet, "s", 1000000, true);
-            of_heard.advance(1), of_quiet.advance(1);
-            std::this_thread::sleep_for(std::chrono::milliseconds(2100));
-            for (int k = 0; k < 2; ++k) of_heard.advance(1), of_quiet.advance(1);
-        });
+    const std::string once = written([](int fd) {
+        Progress loud(1000000, "s", Progress::Mode::none, false, fd),
+            quiet(1000000, "q", Progress::Mode::none, true, fd);
+        Estimate of_loud(loud, "s", 1000000, false), of_quiet(quiet, "q", 1000000, true);
+        for (const int wait : {0, 2100, 0}) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+            of_loud.advance(1);
+            of_quiet.advance(1);
+        }
     });
     CHECK(once.starts_with("lostbits: s will take about "));
     CHECK(std::count(once.begin(), once.end(), '\n') == 1);
-    CHECK(quietly.empty());
 }
 
 }  // namespace test_progress

@@ -17,7 +17,6 @@ namespace test_looks {
 using namespace lostbits;
 using namespace lostbits::output;
 using intersect::table::Intersector;
-using output::test::backend;
 
 namespace {
 
@@ -110,7 +109,8 @@ TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[l
     }
 }
 
-TEST_CASE("every key of speed against accuracy looks another way", "[looks]") {
+TEST_CASE("every key of speed against accuracy looks another way, and times are said to be those of easy rays",
+          "[looks]") {
     std::vector<measure::speed::TradeKernel> kernels;
     for (const auto& row : {test::row("sphere.unified", "f32"), test::row("sphere.unified", "f64")}) {
         for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, row.form->info, isa});
@@ -137,6 +137,16 @@ TEST_CASE("every key of speed against accuracy looks another way", "[looks]") {
     }
     CHECK(spec.keys.size() == 8);
     CHECK(spec.x.decimals);
+    REQUIRE(sets.size() > 1);
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        const auto of_set = speed::trade_plot(request, result, s);
+        const std::string& said = of_set.subtitle.front();
+        INFO(said);
+        CHECK(said.find("of the set " + std::string(sets[s].name) + ".") != std::string::npos);
+        CHECK(said.find("rays as those of the set easy") != std::string::npos);
+        CHECK((said.find("the same in the pictures of all sets") != std::string::npos) == (s > 0));
+        CHECK(of_set.x.title.find("of the easy set") != std::string::npos);
+    }
 }
 
 TEST_CASE("a form without a title has a caption", "[looks]") {

@@ -260,15 +260,18 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));
     // The command above the sheet can be pasted for forms from outside, too.
     const lostbits::scene::file::Scene scene{};
-    const auto above = [&] {
+    const auto above = [&](const std::string& named = "mine.toml") {
         std::string text;
-        for (const auto& line : sheet_subtitle(scene, "mine.toml", {}, paint, false)) text += line + "\n";
+        for (const auto& line : sheet_subtitle(scene, named, {}, paint, false)) text += line + "\n";
         return text;
     };
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT says how"));
     blame::say_where_forms_are_from(" --plugin mine.so");
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so says how"));
     blame::say_where_forms_are_from("");
+    // Rays of a file have no scene to name.
+    CHECK_FALSE(has_word(above(""), "--pixel"));
+    CHECK(has_word(above(""), "worst_explain in summary.csv"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
 }
 

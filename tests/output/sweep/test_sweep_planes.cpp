@@ -56,8 +56,7 @@ struct Planes {
         steps = measure::sweep::run_sweep(request);
         output::sweep::SweepFiles files(request, folder.path());
         files.finish(steps, {});
-        for (std::size_t r = 0; r < request.rows.size(); ++r)
-            output::sweep::write_plane(folder.path(), request, steps, r);
+        output::sweep::write_planes(folder.path(), request, steps, true);
     }
     Scratch folder;
     TextFile text;
@@ -126,7 +125,7 @@ TEST_CASE("a plane's channels are the table's numbers, columns rising, the highe
                 CHECK(attribute("x_values") == "8 64 512 4096");
                 CHECK(attribute("y_values") == "0.25 0.0078125 0.000244140625");
                 // The same plane, whichever way the axes run.
-                for (const std::string& file : {stem + ".exr", stem + ".png"}) {
+                for (const std::string& file : {stem + ".exr", stem + ".png", std::string("contact.png")}) {
                     const auto [first, fresh] = bytes.try_emplace(file, contents(planes.folder / file));
                     CHECK_FALSE(first->second.empty());
                     CHECK(first->second == contents(planes.folder / file));
@@ -140,9 +139,12 @@ TEST_CASE("a plane's channels are the table's numbers, columns rising, the highe
 
 TEST_CASE(
     "a plane's picture takes the ramp, an outline where the form is to blame, an outcome's colour where most are "
-    "wrong") {
+    "wrong, and the sheet is paler where the problem is") {
     const Planes planes(false, false);
     const std::size_t lost = 0, excess = 2;
+    const auto sheet = backend().read_png(planes.folder / "contact.png");
+    CHECK(rim_is_blank(sheet));
+    const LostBitsScale on_sheet(planes.request.rows);
     for (std::size_t r = 0; r < 2; ++r) {
         const measure::evaluate::TestedForm& what = planes.request.rows[r];
         const auto image =
@@ -161,15 +163,19 @@ TEST_CASE(
                 std::ranges::max(kinds, {}, [&](measure::answer::Outcome o) { return s.count(o); });
             const auto wrong = s.count(kinds[0]) + s.count(kinds[1]) + s.count(kinds[2]);
             CAPTURE(what.format.name, step.values[0], step.values[1], wrong, p99);
-            std::optional<output::image::Rgb8> expected;
+            std::optional<output::image::Rgb8> expected, small;
             if (2 * wrong > s.rays) {
-                expected = output::image::outcome_colours[static_cast<std::size_t>(worst)];
+                expected = small = output::image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++wrong_cells;
             } else if (s.agreement().is_enough()) {
+                const bool plain = p99 >= 1 && s.metrics[excess].quantile(0.99) < 1;
                 expected = scale.map(p99);
-                plain_cells += p99 >= 1 && s.metrics[excess].quantile(0.99) < 1;
+                small = on_sheet.colour(p99, what.format.parameters);
+                if (plain) small = paler(*small);
+                plain_cells += plain;
             }
             if (expected) CHECK(find_block(image, *expected, 40, 40).has_value());
+            if (small) CHECK(find_block(sheet, *small, 40, 40).has_value());
         }
         if (r == 1) CHECK(wrong_cells > 0);
         if (r == 0) CHECK(plain_cells > 0);

@@ -1,0 +1,68 @@
+// The files that take the bands of one row of a map, or of one form of the bits needed.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "output/map/map_exr.hpp"
+#include "output/pixel/columns.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::map {
+
+inline std::size_t pixels_of(const measure::evaluate::BandResult& band) { return band.outcomes.size(); }
+inline std::size_t pixels_of(const measure::evaluate::NeededBand& band) { return band.needed.size(); }
+
+/// What the rows of a scene share.
+template <class Band>
+struct BandFiles {
+    pixel::ColumnFiles<Band>& pictures;
+    MapExr* exr;            ///< null: none is written
+    const KeepPiece& keep;  ///< of a shard
+};
+
+/// `Pixel` is what the table of pixels has a row for.
+template <class Band, class Pixel>
+class RowFiles {
+public:
+    /// How a band is written.
+    struct Writers {
+        std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows;
+        std::function<Pixel(const Band&, std::size_t i)> pixel;
+    };
+    RowFiles(std::size_t row, const BandFiles<Band>& files, Writers writers,
+             std::unique_ptr<table::TableFile<Pixel>> table)
+        : row_(row), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
+
+    void band(const Band& result) {
+        const std::size_t pixels = pixels_of(result);
+        MapPiece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
+        if (files_.exr)
+            piece.exr = writers_.exr_rows(
+                result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
+        for (std::size_t i = 0; table_ && i < pixels; ++i) table_->add(writers_.pixel(result, i));
+        if (table_ && files_.keep) piece.lines = table_->take_lines();
+        if (files_.keep) files_.keep(row_, std::move(piece));
+        else put(piece);
+    }
+
+    void put(const MapPiece& piece) {
+        files_.pictures.put(row_, piece.y0, piece.strips);
+        if (files_.exr) files_.exr->write(piece.exr);
+        if (table_) table_->add_lines(piece.lines);
+    }
+
+    /// Of its pixels, where there is one.
+    [[nodiscard]] std::unique_ptr<table::TableFile<Pixel>>& table() { return table_; }
+
+private:
+    std::size_t row_;
+    BandFiles<Band> files_;
+    Writers writers_;
+    std::unique_ptr<table::TableFile<Pixel>> table_;
+};
+
+}  // namespace lostbits::output::map
