@@ -145,7 +145,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
             request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
         JudgeResult result = measure::judge::run_judge(
             dump, request,
-            [&files](std::size_t row, const auto& chunk, const auto& result) { files.piece(row, chunk, result); });
+            [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
         if (!division.is_shard()) return result;
         division.put(job, shard::Noted::end, result, files.worst(), *request.stages);
         return std::nullopt;

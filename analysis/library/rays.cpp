@@ -187,8 +187,8 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         rows.emplace_back(of_row, row, request.metrics);
     }
     const auto found = measure::judge::run_judge(
-        *all.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& result) {
-            if (!rows.empty()) rows[r].band(result);
+        *all.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
+            if (!rows.empty()) rows[r].band(band);
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {

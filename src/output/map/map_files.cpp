@@ -92,7 +92,7 @@ MapFiles::~MapFiles() = default;
 
 std::vector<measure::evaluate::Show> MapFiles::shows() { return measure::evaluate::shown_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->put(piece); }
+void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row).put(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;

@@ -108,7 +108,7 @@ public:
         }
     }
 
-    void band(const BandResult& result) override {
+    void band(const BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const std::size_t at = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (filled_) filled_->take(at, i, result, with_condition_);

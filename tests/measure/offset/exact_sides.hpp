@@ -1,13 +1,10 @@
 // What an exact half-line does with a solid, in rationals: a second opinion that shares no code with the first.
 #pragma once
 
-#include <boost/multiprecision/gmp.hpp>
-
+#include "intersect/exact.hpp"
 #include "measure/offset/half_line.hpp"
 
 namespace lostbits::test {
-
-using Rational = boost::multiprecision::mpq_rational;
 
 struct ExactMeeting {
     bool inside, outside, meets;

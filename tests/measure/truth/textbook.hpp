@@ -12,8 +12,6 @@
 
 namespace lostbits::test::textbook {
 
-using lostbits::dot;  // of vectors, hidden by that of rationals
-
 using Wide = BasicReal<2048>;
 constexpr std::size_t most_of_problem = 15;
 

@@ -112,7 +112,8 @@ TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[l
 TEST_CASE("every key of speed against accuracy looks another way, and times are said to be those of easy rays",
           "[looks]") {
     std::vector<measure::speed::TradeKernel> kernels;
-    for (const auto& row : {test::row("sphere.unified", "f32"), test::row("sphere.unified", "f64")}) {
+    for (const auto& row :
+         {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.unified", "f64")}) {
         for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, row.form->info, isa});
     }
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),

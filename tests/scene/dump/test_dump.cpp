@@ -20,7 +20,7 @@ namespace {
 
 /// Rays with a sphere each and answers, all numbers of binary32.
 Columns sphere_columns(std::size_t rows) {
-    test::Seeded random(7);
+    lostbits::test::Seeded random(7);
     const auto any = [&] {
         return static_cast<double>(static_cast<float>(
             random.sign() * std::ldexp(1.0 + 0x1p-23 * static_cast<double>(random.bits(23)), random.index(20) - 10)));
