@@ -233,7 +233,9 @@ TEST_CASE("exact: a ray that ends where it enters a solid touches it", "[exact]"
     const auto before = intersect::simd::current_isa();
     for (const Shaped& shape : shapes) {
         AtEnds all;
-        for (const Problem& p : whole_problems(shape, test::draws(std::size_t{shape.name == "torus" ? 5000U : 50000U})))
+        // A torus is dear; of whole numbers few rays meet a triangle at one.
+        const std::size_t count = shape.name == "torus" ? 5000 : shape.name == "triangle" ? 100000 : 50000;
+        for (const Problem& p : whole_problems(shape, test::draws(count)))
             if (const auto at = crossed(shape, p)) all.add(shape, p, *at);
         all.hold(shape);
         INFO(shape.name << ": closed " << all.of_closed << ", open " << all.of_open);

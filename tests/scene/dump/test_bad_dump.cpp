@@ -86,7 +86,7 @@ const BadFile bad_files[] = {
     {"a.npy",
      as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(25, 'a')),
      "a.npy: byte",
-     "follow the last",
+     "follows the last",
      {.columns = "ox,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
     {"a.npy",
      as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(24, 'a')),
