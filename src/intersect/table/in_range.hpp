@@ -42,8 +42,10 @@ void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const
             in = both && (solid ? far > range.tmin || joins : !range.is_before(far));
             t = solid ? range.tmin : far;
         }
-        const bool ends_at_entry = hits.near[i] == range.tmax && (both ? hits.near[i] < far : near_alone);
-        hits.hit[i] = in && !range.is_after(t) && !(ends_at_entry && open_inside);
+        // At infinity, where a root beyond every number stands, no ray ends.
+        const bool ends = range.tmax < std::numeric_limits<S>::infinity();
+        const bool at_entry = hits.near[i] == range.tmax && (both ? hits.near[i] < far : near_alone);
+        hits.hit[i] = in && !range.is_after(t) && !(ends && at_entry && open_inside);
     }
 }
 

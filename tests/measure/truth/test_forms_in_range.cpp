@@ -178,4 +178,26 @@ TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[meas
     });
 }
 
+TEST_CASE("a root beyond every number of the format is no entry where a ray ends", "[range]") {
+    for (const Roots roots : {Roots::both, Roots::near_only}) {
+        intersect::Info info = *test::form_named("sphere.unified").info;
+        info.roots = roots;
+        info.touching = Touching::miss;
+        float t = HUGE_VALF, near = t, far = t;
+        const float tmin = 1;
+        std::uint8_t hit = 1;
+        const float zero = 0, one = 1;
+        const auto alone = [](const float& x) { return std::span<const float>(&x, 1); };
+        const intersect::table::RayBatch<float> ray{.ox = alone(zero),
+                                                    .oy = alone(zero),
+                                                    .oz = alone(zero),
+                                                    .dx = alone(one),
+                                                    .dy = alone(zero),
+                                                    .dz = alone(zero),
+                                                    .tmin = alone(tmin)};
+        intersect::table::keep_in_range<float>(info, Shape::sphere, ray, {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
+        CHECK(hit == 1);
+    }
+}
+
 }  // namespace lostbits::test::test_forms_in_range
