@@ -88,6 +88,11 @@ struct ShapeRow {
 
 namespace detail {
 
+template <class One>
+concept Shaded = requires(const One& one, const Vec<float>& p) {
+    one.shading_normal(p);
+};
+
 inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
     std::array<ShapeRow, Solids::size> rows{};
     std::size_t row = 0;
@@ -105,14 +110,12 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
              .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
              .surface = SurfaceSpan<decltype(std::declval<One>().span(Ray<float>{})), float>,
              .edges = One::edges,
-             .shaded = requires(const One& one, const Vec<float>& p){one.shading_normal(p); },
-             .words = One::words
-};
-for (const Key& key : r.keys) r.numbers += key.count();
-});
-return rows;
-}
-();
+             .shaded = Shaded<One>,
+             .words = One::words};
+        for (const Key& key : r.keys) r.numbers += key.count();
+    });
+    return rows;
+}();
 
 }  // namespace detail
 

@@ -140,8 +140,8 @@ Files claims() {
             {"t.toml", claims_of({{"t", times, metric_in("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
 }
 
-/// The rows of one command; `command` is empty for those that few rows ask.
-void hold(const std::set<std::string>& apart, bool named) {
+/// The rows of these commands, or of all others.
+void hold(const std::set<std::string>& commands_of_rows, bool these) {
     draw_pictures();
     const Scratch scratch;
     for (const Files& files : {scenes(), sweeps(), rays_and_tables(), claims()})
@@ -150,7 +150,7 @@ void hold(const std::set<std::string>& apart, bool named) {
     for (const Section& section : sections()) {
         std::vector<Refused> rows;
         for (const Refused& row : section.rows)
-            if (apart.contains(command_of(section, row)) == named) rows.push_back(row);
+            if (commands_of_rows.contains(command_of(section, row)) == these) rows.push_back(row);
         check_refused(scratch, section.command, rows);
     }
 }
@@ -166,6 +166,9 @@ TEST_CASE("every command refuses something, or it is said why not") {
     std::size_t rows = 0;
     for (const Section& section : sections())
         for (const Refused& row : section.rows) {
+            const std::string typed = section.command + " " + row.words;
+            INFO(typed << "=> " << row.says);
+            CHECK_FALSE(has(typed, row.says));  // what is typed may be said again, whatever is wrong
             refusing.insert(command_of(section, row));
             ++rows;
         }

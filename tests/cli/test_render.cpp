@@ -1,7 +1,6 @@
 // `lostbits render` from the outside: files, agreement between them, and what it refuses.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
 // Scenes and rays with solids of several shapes, measured by sets of forms.
-#include <filesystem>
 
 #include "catch.hpp"
 #include "program.hpp"

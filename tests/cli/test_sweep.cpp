@@ -1,6 +1,5 @@
 // `lostbits sweep` from the outside: along axes, over named cases and, with --worst, over searches.
 #include <cmath>
-#include <cstdlib>
 
 #include "catch.hpp"
 #include "program.hpp"

@@ -1,6 +1,5 @@
 // `lostbits trade` from the outside. Times are not asserted.
 #include <algorithm>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 

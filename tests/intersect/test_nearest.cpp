@@ -11,8 +11,6 @@
 namespace lostbits::test::test_nearest {
 namespace {
 
-using test::Seeded;
-
 const Real tolerance = ldexp(Real(1), -200);
 
 template <class T>

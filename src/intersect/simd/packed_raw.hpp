@@ -40,7 +40,7 @@ struct RawSolids {
 };
 
 /// The shapes of which one ray is asked about many at once: the spheres of a flake, the boxes of a hierarchy. Kernels
-/// of the others, which no command asks so, were a quarter of what compiling a width took.
+/// of the others, for sweeps over every float of a solid alone, were a quarter of what compiling a width took.
 constexpr bool come_in_many(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
 struct RawManyRow {

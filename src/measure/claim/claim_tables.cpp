@@ -1,6 +1,5 @@
 // Claims about tables: of arithmetic, how often a sum or a difference does not notice one of its operands; and of what
 // the nearest hit so far does as the end of a ray.
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string_view>

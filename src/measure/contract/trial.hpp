@@ -119,7 +119,7 @@ inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
-/// Not what is flat; a tube is, which has no inside.
+/// Of a solid where a line enters and leaves; a tube is, though it has no inside, and what is flat is not.
 inline bool is_crossed_twice(Shape shape) {
     const auto ends = ends_of(along(shape, 1, 1), shape);
     return ends && ends->near < ends->far;

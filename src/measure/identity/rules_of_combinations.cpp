@@ -1,5 +1,4 @@
 // The square of a combination of two vectors, multiplied out.
-#include <algorithm>
 
 #include "measure/identity/rules.hpp"
 

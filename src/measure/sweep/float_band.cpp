@@ -1,6 +1,5 @@
 #include "measure/sweep/exhaustive.hpp"
 
-#include <algorithm>
 #include <optional>
 
 #include "measure/culling/culling.hpp"

@@ -14,7 +14,6 @@ namespace lostbits::output::blame {
 
 using measure::answer::Outcome;
 using measure::blame::Explanation;
-using measure::blame::OperationError;
 
 namespace {
 

@@ -35,8 +35,8 @@ struct MapFilesOptions {
     std::filesystem::path sheet_alone = {};
 };
 
-/// Opens every file of a map at once, before any work; is shown its rows; and gives all files their final
-/// names in `finish`. Destroyed without `finish`, it leaves nothing under a final name.
+/// Opens every file of a map at once, before any work; is shown its rows; and gives all files their final names in
+/// `finish`. Destroyed without `finish`, it leaves nothing under a final name.
 class MapFiles {
 public:
     MapFiles(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
@@ -44,7 +44,7 @@ public:
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
-    /// One sink a row of the request, in its order.
+    /// What takes the bands of each row of the request, in its order.
     [[nodiscard]] std::vector<measure::evaluate::Show> shows();
     /// The next piece of a row, as another run kept it.
     void put(std::size_t row, MapPiece&& piece);

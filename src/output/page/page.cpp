@@ -254,7 +254,7 @@ std::string claims_body(const Report& report) {
     if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
-        scene::toml::counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
+        counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
 /// What was typed.

@@ -70,7 +70,7 @@ struct DxrRay : InvertsBoth {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const Vec<T> world = unprojected(camera, from_clip, pixel, T(0));
-        return {camera.eye, unit(Vec<T>(world - camera.eye))};
+        return {camera.eye, unit_of(Vec<T>(world - camera.eye))};
     }
 };
 
@@ -114,7 +114,7 @@ struct BevyRay {
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
-        return {near, unit(Vec<T>(far - near))};
+        return {near, unit_of(Vec<T>(far - near))};
     }
 };
 
@@ -131,7 +131,7 @@ struct BevyViewRay : InvertsProjection {
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
-        return {camera.to_world.affine(near), unit(camera.to_world.linear(Vec<T>(far - near)))};
+        return {camera.to_world.affine(near), unit_of(camera.to_world.linear(Vec<T>(far - near)))};
     }
 };
 
@@ -155,7 +155,7 @@ struct NvproRay {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel<T>& pixel) {
         const Vec<T> target = from.projection.point(clip_point(camera, pixel, T(1))).at;
-        return {from.view.shift(), from.view.linear(unit(target))};
+        return {from.view.shift(), from.view.linear(unit_of(target))};
     }
 };
 
@@ -172,7 +172,7 @@ struct GodotRay : AsStored {
         const auto& p = camera.projection.rows;
         const Vec<T> at = clip_point(camera, pixel, T(0));
         const Vec<T> local(at.x * (camera.near / p[0][0]), at.y * (camera.near / p[1][1]), -camera.near);
-        return {camera.eye, unit(camera.to_world.linear(unit(local)))};
+        return {camera.eye, unit_of(camera.to_world.linear(unit_of(local)))};
     }
 };
 
@@ -218,7 +218,7 @@ struct WeekendRay {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Pixels<T>& pixels, const Pixel<T>& pixel) {
         const Vec<T> middle = pixels.first + pixel.x * pixels.right + pixel.y * pixels.down;
-        return {camera.eye, unit(Vec<T>(middle - camera.eye))};
+        return {camera.eye, unit_of(Vec<T>(middle - camera.eye))};
     }
 };
 
@@ -240,7 +240,7 @@ struct PbrtRay : AsStored {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        return {camera.eye, camera.to_world.linear(unit(on_near_plane(camera, pixel)))};
+        return {camera.eye, camera.to_world.linear(unit_of(on_near_plane(camera, pixel)))};
     }
 };
 
@@ -262,7 +262,7 @@ struct DifferentialsRay {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {
         const Vec<T> left = PbrtRay::on_near_plane(camera, Pixel<T>{pixel.left, pixel.y, pixel.left});
-        return {camera.eye, camera.to_world.linear(unit(Vec<T>(left + step)))};
+        return {camera.eye, camera.to_world.linear(unit_of(Vec<T>(left + step)))};
     }
 };
 
@@ -278,7 +278,7 @@ struct RelativeRay : AsStored {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        return {camera.eye, unit(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
+        return {camera.eye, unit_of(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
     }
 };
 

@@ -195,11 +195,7 @@ Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, 
     return over_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 
-/// v/|v|, each component a quotient; and multiplied by 1/|v|.
-template <Number T>
-Vec<T> unit(const Vec<T>& v) {
-    return over(v, T(length(v)));
-}
+/// v/|v|, multiplied by 1/|v|; `unit_of` has quotients.
 template <Number T>
 Vec<T> unit_by_reciprocal(const Vec<T>& v) {
     return T(1) / length(v) * v;

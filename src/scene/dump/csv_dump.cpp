@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "number/error.hpp"
 #include "scene/toml/counted.hpp"

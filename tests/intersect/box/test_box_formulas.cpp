@@ -10,8 +10,6 @@
 
 namespace lostbits::test::test_box_formulas {
 
-using test::BoxSample;
-
 namespace {
 
 bool hits(const intersect::table::Intersector& form, const BoxSample& s) {

@@ -10,7 +10,6 @@
 #include "measure/answer/self.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/seeded.hpp"
-#include "shapes/lift.hpp"
 
 namespace test_spaces {
 

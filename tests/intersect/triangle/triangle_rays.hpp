@@ -11,8 +11,6 @@
 
 namespace lostbits::test {
 
-using test::Seeded;
-
 struct TriangleSample {
     Ray<double> ray;
     Triangle<double> triangle;

@@ -13,7 +13,6 @@ namespace test_nearest {
 
 using namespace lostbits;
 using namespace lostbits::test;
-using lostbits::test::Scratch;
 using measure::answer::Outcome;
 using measure::edges::EdgeFinding;
 using measure::edges::NearestRay;

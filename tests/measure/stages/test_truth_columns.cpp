@@ -17,7 +17,6 @@ using namespace lostbits::test;
 using measure::truth::find_truth;
 using measure::truth::Length;
 using measure::truth::ProblemColumns;
-using measure::truth::StageCounts;
 using measure::truth::Tightness;
 using measure::truth::Truth;
 using measure::truth::TruthColumns;

@@ -1,7 +1,6 @@
 // The worst rays that searches found, kept in data/hard: each still measures what its name says.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <regex>
 #include <set>
 

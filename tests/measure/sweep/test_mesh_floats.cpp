@@ -12,7 +12,6 @@ namespace test_mesh_floats {
 
 using namespace lostbits;
 using namespace lostbits::test;
-using lostbits::test::Scratch;
 using measure::answer::Outcome;
 using scene::sweep::ExhaustiveFile;
 namespace sweep = measure::sweep;

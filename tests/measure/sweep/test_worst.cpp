@@ -1,7 +1,6 @@
 // The search for the worst ray: the same on every machine, inside its ranges, and better than chance.
 #include "measure/sweep/worst.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "catch.hpp"

@@ -1,7 +1,6 @@
 // What the colours and captions of maps say.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <memory>
 

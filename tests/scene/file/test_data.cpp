@@ -1,7 +1,6 @@
 // The scenes that come with the program: every one loads and shows what it is there to show.
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "catch.hpp"
 #include "counts.hpp"

@@ -2,7 +2,6 @@
 #include "shapes/sphere/family/family.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 
