@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "intersect/table/in_range.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "measure/rows.hpp"
 #include "measure/seeded.hpp"
 #include "measure/widths.hpp"
 
