@@ -89,7 +89,8 @@ typedef struct lb_form {
     int shape, format;
     int direction; /* LB_UNIT: directions come normalised and rounded to the format, so t is a distance */
     int roots;     /* LB_NEAR: the smaller root alone, t < 0 is a miss. LB_FIRST: the first t >= 0 */
-    int touching;  /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed */
+    int touching;  /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed. LB_MISS: it misses,
+                      and so does one that ends where it enters a solid; a tube and what is flat it may end on */
     int at_origin; /* LB_MISS: a surface exactly at the origin (t = 0) is passed over, where the ray goes in and
                       where it goes out. LB_EXIT: where it goes in alone; where it goes out, t = 0 is its exit */
     unsigned flags;

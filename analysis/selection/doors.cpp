@@ -87,6 +87,16 @@ std::vector<std::string> names_added(bool harmful = false) {
     return names;
 }
 
+/// `FORM`, and of `FORM+FORM`, `FORM@WAY` and `FORM^BOX~WAY` each of its parts.
+std::vector<std::string> parts_named(const std::string& item) {
+    std::vector<std::string> names{item};
+    for (std::size_t begin = 0, end = 0; begin <= item.size(); begin = end + 1) {
+        end = std::min(item.find_first_of("+@^~", begin), item.size());
+        names.push_back(item.substr(begin, end - begin));
+    }
+    return names;
+}
+
 std::string_view solids_of(Shape shape) { return is_solid(shape) ? row_of(shape).plural : "fields of distances"; }
 
 }  // namespace
@@ -258,7 +268,8 @@ void note_unasked(const shell::Command& command) {
     std::vector<std::string> words;
     for (const shell::Option& option : {forms, beside, command.option("--against")}) {
         for (const std::string& word : option ? option.words() : std::vector<std::string>())
-            std::ranges::move(shell::items_in(word, option.name()), std::back_inserter(words));
+            for (const std::string& item : shell::items_in(word, option.name()))
+                std::ranges::move(parts_named(item), std::back_inserter(words));
     }
     if (std::ranges::none_of(names, [&words](const auto& name) { return matches_any(words, name); }))
         fmt::print(stderr, "lostbits: {} {} loaded but not selected; add -i {}\n", fmt::join(names, ", "),

@@ -47,9 +47,21 @@ Answer<float> disc(const Ray<float>& ray, const Disc<float>& disc) {
     return r2 <= outer * outer && r2 >= inner * inner ? Answer<float>(static_cast<float>(t)) : miss;
 }
 
+/// Whether what runs in the plane hits is `within`.
+template <bool within>
+Answer<float> plane(const Ray<float>& ray, const Plane<float>& plane) {
+    const float none[3] = {};
+    const Vector d = from(none, ray.direction), n = from(none, plane.normal), f = from(ray.origin, plane.through);
+    const double m = dot(d, n), k = dot(f, n);
+    if (m == 0) return within && k == 0 ? Answer<float>(0) : miss;
+    return k / m >= 0 ? Answer<float>(static_cast<float>(k / m)) : miss;
+}
+
 }  // namespace
 
-LOSTBITS_FORMS(form<triangle<1>>("word.front").first_root().facing_front(),
+LOSTBITS_FORMS(form<plane<false>>("word.plane").first_root(),
+               form<plane<false>>("word.open_plane").first_root().touching_misses(),
+               form<plane<true>>("bad.plane").first_root(), form<triangle<1>>("word.front").first_root().facing_front(),
                form<triangle<-1>>("word.back").first_root().facing_back(), form<triangle<0>>("word.both").first_root(),
                form<ahead>("word.ahead").first_root().origin_misses(), form<ahead>("bad.ahead").first_root(),
                form<disc<1>>("word.disc").first_root().facing_front(), form<triangle<1>>("bad.front").first_root(),

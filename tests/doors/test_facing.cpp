@@ -29,7 +29,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
     const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
-    for (const std::string form : {"front", "back", "both", "ahead", "disc"}) {
+    for (const std::string form : {"front", "back", "both", "ahead", "disc", "plane", "open_plane"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
     }
@@ -38,6 +38,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
              {"back", "say LB_FACING_BACK (facing_back, facing=back)"},
              {"both", "the other side is met as well; leave facing out"},
              {"ahead", "say LB_MISS (origin_misses, at_origin=miss)"},
+             {"plane", "a ray along it hits; it should miss, since it does not cross it"},
              {"other", "say LB_FACING_BACK (facing_back, facing=back)"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), says));

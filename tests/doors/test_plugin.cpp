@@ -75,7 +75,8 @@ TEST_CASE("plugin: its forms are measured where -i names none, and where -i name
         CHECK(has(other.err, "lostbits: " + said + " but not selected; add -i example.schoolbook"));
         CHECK(!has(run("map near-benign -q " + words + with, folder.path()).err, said));
     }
-    for (const std::string words : {"", "-i 'exam*'", "-i sphere.unified --against example.schoolbook"})
+    for (const std::string words : {"", "-i 'exam*'", "-i sphere.unified --against example.schoolbook",
+                                    "-i example.schoolbook+box.signs", "-i 'example.*@ray-pbrt'"})
         CHECK(!has(run("map near-benign " + words + with, folder.path()).err, said));
 }
 

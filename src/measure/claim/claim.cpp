@@ -128,8 +128,9 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     if (form.find('+') == std::string::npos) {
         std::vector<std::string> names;
         for (const intersect::table::Intersector& row : rows) names.emplace_back(row.info->name);
-        scene::toml::fail(claim.where, "unknown form \"" + form + "\"; " + scene::toml::did_you_mean(form, names) +
-                                           "; a form of your own comes by --plugin, --pipe or --shader");
+        scene::toml::fail(claim.where, "unknown form \"" + form +
+                                           "\" (a form of your own comes by --plugin, --pipe or --shader); " +
+                                           scene::toml::did_you_mean(form, names));
     }
     std::vector<const intersect::table::Intersector*> parts;
     for (std::size_t begin = 0; begin <= form.size();) {

@@ -117,6 +117,14 @@ void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
         trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
 }
 
+/// Of a plane, which has no rim to touch: what runs in it does not cross it, by either word.
+void try_within(Trial& trial) {
+    Question q = along(trial.shape, -2, 0);
+    q.ray[0] = -5, q.ray[3] = 1;
+    const std::string what(row_of(trial.shape).words.touching);
+    trial.hold(trial.ask(q).hit == 0, what + " misses", what + " hits; it should miss, since it does not cross it");
+}
+
 }  // namespace
 
 void try_inside(Trial& trial) {
@@ -157,6 +165,8 @@ bool try_other_side(Trial& trial) {
 
 void try_touching(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
+    q.ray[0] = 0x1p10;
+    if (is_flat(trial.shape) && ends_of(q, trial.shape)) return try_within(trial);
     q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
     if (is_flat(trial.shape) && !ends_of(q, trial.shape)) q.ray[0] = 1;  // a triangle, which is half as wide there
     const Reply touch = trial.ask(q);

@@ -45,21 +45,19 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
     table.read("own", rule.own);
+    table.read("offset", rule.offset, offset_names);
+    read_coefficient(table, "epsilon", rule.epsilon, numbers);
+    table.read("ulps", rule.ulps, 0, most_ulps);
+    table.reject_unknown_keys();  // in front of what needs another key, which may be the misspelt one
     if (!rule.own) {
         for (const char* key : {"offset", "epsilon", "ulps"})
             table.reject(key,
                          "needs own = true: without it a shadow ray is not tested against the sphere that it leaves");
     }
-    table.read("offset", rule.offset, offset_names);
-    if (rule.offset == Offset::epsilon) {
-        rule.epsilon = table.number("epsilon");
-        read_coefficient(table, "epsilon", rule.epsilon, numbers);
-    } else {
-        table.reject("epsilon", "needs offset = \"epsilon\"");
-    }
-    if (rule.offset == Offset::ulp) rule.ulps = static_cast<int>(table.integer("ulps", 0, most_ulps));
-    else table.reject("ulps", "needs offset = \"ulp\"");
-    table.reject_unknown_keys();
+    if (rule.offset != Offset::epsilon) table.reject("epsilon", "needs offset = \"epsilon\"");
+    else table.node("epsilon", "a number");
+    if (rule.offset != Offset::ulp) table.reject("ulps", "needs offset = \"ulp\"");
+    else table.node("ulps", "a whole number");
     return rule;
 }
 

@@ -156,6 +156,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.read("source", scene.source);
     file.read("note", scene.note);
     file.read("inputs", scene.inputs, inputs_names);
+    static_cast<void>(file.has("variant"));  // taken out, and what `varient` meant all the same
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);

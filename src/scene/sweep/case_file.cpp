@@ -132,7 +132,6 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
             c.solids.push_back(std::move(spec));
         }
     }
-    if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
         if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);
@@ -140,8 +139,9 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         ray.reject_unknown_keys();
     }
     table.read("open_ends", c.open, open_ends_names);
-    if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
     table.reject_unknown_keys();
+    if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
+    if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
     return c;
 }
 

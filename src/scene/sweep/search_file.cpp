@@ -40,9 +40,10 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
     thrice("origin");
     thrice("direction");
+    // The one with its first key and most of the others; where none has its first, that may be misspelt.
     const auto written = [&table](const ShapeRow& row) {
         const auto is = [&table](const Key& key) { return table.has(key.name); };
-        return is(row.keys.front()) ? std::ranges::count_if(row.keys, is) : 0;
+        return std::pair(is(row.keys.front()), std::ranges::count_if(row.keys, is));
     };
     shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of several
     for (const Key& key : row_of(shape).keys) {

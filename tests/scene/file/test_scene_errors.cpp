@@ -147,6 +147,7 @@ TEST_CASE("a scene has a camera and a solid, and nothing unknown") {
 TEST_CASE("variants are named once, with names that fit into file names") {
     const auto with = [](const std::string& text) { return scene_error(good_scene + text); };
     CHECK(with("[[variant]]\nname = \"a\"\nset = {}\n") == "no error");
+    CHECK(has(with("[[varient]]\nname = \"a\"\nset = {}\n"), "unknown key varient; did you mean \"variant\"?"));
     CHECK(with("[[variant]]\nname = \"a\"\n") ==
           "scene.toml:16:1: variant[0].set is missing; give it a table of that name");
     CHECK(

@@ -220,6 +220,9 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("spheres = [{ centre = [1, 2, 3], radius = 4 }]\n", "").starts_with("c.toml:4:1: a case has spheres"));
     CHECK(broken("rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]\n", "")
               .starts_with("c.toml:4:1: a case has rays"));
+    for (const std::string list : {"spheres", "rays"})
+        CHECK(broken(list + " = [", 'x' + list + " = [")
+                  .ends_with("unknown key case[0].x" + list + "; did you mean \"" + list + "\"?"));
     CHECK(case_error(good_cases.substr(0, good_cases.find("[[case]]"))) == "c.toml:1:1: has no [[case]]");
     CHECK(has(case_error(good_cases + "[[axis]]\n"), "unknown key axis"));
 }
