@@ -76,10 +76,11 @@ TEST_CASE("the exact value of an answer is that of the form without rounding", "
 TEST_CASE("contributions sum to the error, derivatives do to first order, and quick and deep arithmetic agree",
           "[attribution]") {
     int seen = 0, first_order = 0;
-    const auto sums_up = [&](const Attribution& a) {
+    const auto sums_up = [&](const Attribution& a, double rest) {
         if (a.cut_short || !std::isfinite(a.error)) return false;
-        // Difference quotients leave no remainder: what differs is the rounding of these sums themselves, in binary64.
-        REQUIRE(std::fabs(a.explained - a.error) <= 0x1p-36 * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
+        // Difference quotients leave no remainder: what differs is the rounding of these sums themselves, in binary64,
+        // and of the adjoints, which are sums of the same kind.
+        REQUIRE(std::fabs(a.explained - a.error) <= rest * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
         ++seen;
         return true;
     };
@@ -100,26 +101,29 @@ TEST_CASE("contributions sum to the error, derivatives do to first order, and qu
     };
     // And the quick exact arithmetic and the deep one agree.
     int quick = 0;
-    const auto ask = [&](const Intersector& form, const Tape& tape, const auto&... subject) {
+    const auto ask = [&](const Intersector& form, const Tape& tape, double rest, const auto&... subject) {
         const Attribution a = measure::blame::attribute(tape, subject...),
                           b = measure::blame::attribute(tape, subject..., {.full = true});
         REQUIRE(b.exact_bits == 2048);
         quick += a.exact_bits == 106;
         REQUIRE(a.subject == b.subject);
         REQUIRE(a.exact_hit == b.exact_hit);
-        sums_up(a);
-        if (!sums_up(b)) return;
+        sums_up(a, rest);
+        if (!sums_up(b, rest)) return;
         derives(form, tape, b);
         REQUIRE(std::fabs(a.error - b.error) <= 0x1p-40 * std::fabs(b.error));
         for (std::size_t i = 0; i < a.of.size(); ++i)
             REQUIRE(std::fabs(a.of[i].contribution - b.of[i].contribution) <= 0x1p-30 * sum_of_sizes(b));
     };
     const int rays = is_long() ? 25 : 3;
-    on_recorded_rays({{"f32", "f64", "bf16", "p18"}, rays}, [&](const Intersector& form, const Format&, const Setting&,
-                                                                const Tape& tape) { ask(form, tape, tape.outputs.t); });
-    // Far away decisions turn, and these are then the subject.
+    on_recorded_rays({{"f32", "f64", "bf16", "p18"}, rays},
+                     [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
+                         ask(form, tape, 0x1p-36, tape.outputs.t);
+                     });
+    // Far away decisions turn, and these are then the subject. Adjoints cancel there: one of 2^-35.9 was seen of a
+    // torus.
     on_recorded_rays({{"f32", "f64"}, rays, 100}, [&](const Intersector& form, const Format&, const Setting&,
-                                                      const Tape& tape) { ask(form, tape); });
+                                                      const Tape& tape) { ask(form, tape, 0x1p-30); });
     CHECK(seen > 1000 * rays);
     CHECK(first_order > 300 * rays);
     CHECK(quick > 400 * rays);
