@@ -102,6 +102,19 @@ TEST_CASE("suspicion: t in other units is known by one factor, which is said", "
     CHECK_FALSE(has(from_afar(3), "units"));
 }
 
+TEST_CASE("suspicion: an answer of the ray's own line is no sign of another ray", "[doors]") {
+    // They end where they enter, which is a miss where a touch is one. y = z, so that exchanged they are the same rays.
+    std::vector<measure::contract::Judged> all;
+    for (int i = 0; i < 20; ++i) {
+        const double y = 0.02 * i;
+        all.push_back({.ray = {{-5, y, y}, {1, 0, 0}},
+                       .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 1}),
+                       .hit = true,
+                       .t = 5 - std::sqrt(1 - 2 * y * y)});
+    }
+    CHECK(has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should: 20 hit what they"));
+}
+
 TEST_CASE("suspicion: what was done to the rays or to the solid is known by its answers", "[doors]") {
     using measure::contract::Judged;
     using R = Ray<double>;

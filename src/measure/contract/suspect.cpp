@@ -26,12 +26,17 @@ bool is_right(const Judged& j) {
     return !j.hit || std::isnan(j.t) || j.t == j.true_t || is_about(j.t, j.true_t);
 }
 
-/// The answer for another ray or another solid.
-bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
+bool is_answer_of(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
     const auto line = line_through(ray, solid);
     const bool ahead = line && line->far >= 0;
     if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
+}
+
+/// The answer for another ray or another solid. One that is wrong and yet that of the ray's own line is about an end, a
+/// touch or a side: where both rays are alike it would be a sign of any exchange.
+bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
+    return is_answer_of(j, ray, solid) && (is_right(j) || !is_answer_of(j, j.ray, j.solid));
 }
 
 /// The answer for a solid of another length. A length that would be the same explains what is right.

@@ -46,6 +46,7 @@ AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t r
 void AxisColumns::set(std::span<const float> values) {
     values_ = values;
     if (direction_varies_) units_made_ = false;
+    solids_made_ = false;
 }
 
 truth::ProblemColumns<float> AxisColumns::problems() const { return problems(values_); }
@@ -75,6 +76,15 @@ void AxisColumns::make_unit_directions() {
         if (i == 0 || direction_varies_) d = unit(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
         for (int k = 0; k < 3; ++k) unit_columns_[static_cast<std::size_t>(k)][i] = d[k];
     }
+}
+
+/// Once for all forms: they are many, and a form takes little longer than the making of its solid.
+void AxisColumns::make_solids() {
+    if (solids_made_) return;
+    solids_made_ = true;
+    solids_.resize(values_.size(), file_.solid);
+    for (std::size_t i = 0; i < values_.size(); ++i)
+        for (const std::size_t place : file_.solid_places) solids_[i].numbers[place] = values_[i];
 }
 
 std::span<const float> AxisColumns::wide(std::size_t place, bool unit) const {
@@ -113,9 +123,8 @@ void AxisColumns::answer_solids(const TestedForm& row, const RayBatch<float>& ra
     const std::size_t n = values_.size();
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
     if (!many.f32 || many.told_end || !file_.ray_places.empty()) {
-        std::vector<Solid<float>> solids(n);
-        std::ranges::transform(values_, solids.begin(), [&](float value) { return file_.solid_at(value); });
-        return row.form->native32(rays, intersect::Target<float>(std::span<const Solid<float>>(solids)), hits);
+        make_solids();
+        return row.form->native32(rays, intersect::Target<float>(std::span<const Solid<float>>(solids_)), hits);
     }
     intersect::simd::SolidArrays<float> solids;
     for (std::size_t k = 0; k < file_.solid.used().size(); ++k)

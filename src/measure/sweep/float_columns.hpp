@@ -39,6 +39,7 @@ public:
 
 private:
     void make_unit_directions();
+    void make_solids();
     [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
     void answer_solids(const evaluate::TestedForm& row, const intersect::table::RayBatch<float>& rays,
                        const intersect::table::HitBatch<float>& hits);
@@ -54,7 +55,8 @@ private:
     std::array<std::vector<float>, most_numbers> solid_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
-    bool units_made_ = false, direction_varies_ = false;
+    std::vector<Solid<float>> solids_;  ///< one a float, where a form has no kernel for many
+    bool units_made_ = false, solids_made_ = false, direction_varies_ = false;
 };
 
 /// Of one form at the floats of some columns.

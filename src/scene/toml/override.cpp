@@ -1,6 +1,7 @@
 // Overrides: one mechanism for variants, `--set` and sweep axes.
 #include <algorithm>
 #include <charconv>
+#include <string_view>
 
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_tree.hpp"
@@ -44,6 +45,13 @@ std::vector<Step> steps_of(const Override& change) {
     }
 }
 
+/// What to write after an array for a key: that of one of its tables, or for a letter of a vector the place.
+std::string in_array(const Node& array, const std::string& key) {
+    if (array.items.empty() || array.items.front().kind == Node::Kind::table) return "[0]." + key;
+    const std::size_t place = key.size() == 1 ? std::string_view("xyz").find(key) : std::string_view::npos;
+    return "[" + std::to_string(place == std::string_view::npos ? 0 : place) + "]";
+}
+
 }  // namespace
 
 void apply_override(Node& root, const Override& change) {
@@ -69,7 +77,7 @@ void apply_override(Node& root, const Override& change) {
         } else {
             if (node->kind == Node::Kind::array)
                 fail(change.where,
-                     unknown + here + " is " + node->describe() + "; say which: " + here + "[0]." + step.key);
+                     unknown + here + " is " + node->describe() + "; say which: " + here + in_array(*node, step.key));
             if (node->kind != Node::Kind::table)
                 fail(change.where,
                      unknown + here + " is " + node->describe() + ", which has no keys; end the path there");

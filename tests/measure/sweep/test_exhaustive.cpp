@@ -146,6 +146,15 @@ TEST_CASE("every sphere form: distances, silhouettes, directions and radii, agai
     CHECK(all.wrong > 20);
 }
 
+TEST_CASE("every cylinder form: radii of more than one chunk, against one float after another") {
+    // The line passes 6144 floats in: 4096 are a chunk.
+    const Compared all = compare(sweep_text("set = \"cylinder.radius\"\nfrom = \"0x1p-1\"\nto = \"0x1.0041p-1\"",
+                                            ray("beside", "-4, \"0x1.003p-1\", 0.25", "1, 0, 0"),
+                                            "[cylinder]\nbase = [0, 0, -1]\ntop = [0, 0, 1]\nradius = 1"),
+                                 all_rows(Shape::cylinder, {"f32"}));
+    CHECK(all.floats > 40000);
+}
+
 TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, against one float after another") {
     const auto rows = all_rows(Shape::box, {"f32"});
     const std::string rays = ray("over", "0.5, 0.25, 4", "0, 0, -1") + ray("face", "1, 0.25, 4", "-0.0, 0, -1") +

@@ -165,6 +165,9 @@ TEST_CASE("an override of an unknown path says what is there") {
     CHECK(
         set_error("sphere.radius=2") ==
         R"(--set sphere.radius=2: unknown path "sphere.radius": sphere is an array of 1; say which: sphere[0].radius)");
+    CHECK(
+        set_error("camera.eye.y=2") ==
+        R"(--set camera.eye.y=2: unknown path "camera.eye.y": camera.eye is an array of 3; say which: camera.eye[1])");
     CHECK(set_error("camera[0].eye=2") ==
           R"(--set camera[0].eye=2: unknown path "camera[0].eye": camera is a table, which has no )"
           R"(indices; leave [...] out)");
