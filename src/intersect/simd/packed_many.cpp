@@ -64,10 +64,9 @@ std::span<const ManyRow> scalar_many_rows() {
             ManyRow& row = filled[i++];
             row.info = &Form::info;
             row.told_end = told_end(shape_of<Form>);
-            if constexpr (come_in_many(shape_of<Form>)) {
-                row.f32 = run_plain<Form, float>;
-                if constexpr (Form::info.formats == Formats::all) row.f64 = run_plain<Form, double>;
-            }
+            if constexpr (!marches<Form>) row.f32 = run_plain<Form, float>;
+            if constexpr (come_in_many(shape_of<Form>) && Form::info.formats == Formats::all)
+                row.f64 = run_plain<Form, double>;
         });
         return filled;
     }();

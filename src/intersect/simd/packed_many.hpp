@@ -36,8 +36,8 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// A form's kernels; null where its shape does not come in many and where it does not exist (see `Info::formats`). Any
-/// number of solids; nothing is read or written beyond the spans, nothing allocated.
+/// A form's kernels; null where it marches, in binary64 where its shape does not come in many and where it does not
+/// exist (see `Info::formats`). Any number of solids; nothing is read or written beyond the spans, nothing allocated.
 struct ManyRow {
     const Info* info = nullptr;
     bool told_end = false;

@@ -65,17 +65,18 @@ template <class Form, class F, class Width>
     }
 }
 
-/// Null pointers where the form does not exist in binary64, and of the shapes that do not come in many.
+/// Null pointers where the form marches; in binary64 where it does not exist, and of the shapes that do not come in
+/// many.
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {
-        constexpr bool all = Form::info.formats == Formats::all;
+        constexpr bool f64 = Form::info.formats == Formats::all && come_in_many(shape_of<Form>);
         if constexpr (meets<Form, Box>) {
             row->f32 = one_ray_many_boxes<Form, float, Width>;
-            if constexpr (all) row->f64 = one_ray_many_boxes<Form, double, Width>;
-        } else if constexpr (come_in_many(shape_of<Form>)) {
+            if constexpr (f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
+        } else if constexpr (!marches<Form>) {
             row->f32 = one_ray_many<Form, float, Width>;
-            if constexpr (all) row->f64 = one_ray_many<Form, double, Width>;
+            if constexpr (f64) row->f64 = one_ray_many<Form, double, Width>;
         }
         ++row;
     });
