@@ -69,6 +69,8 @@ TEST_CASE("the constants of double are those of float, as its u is to that of fl
         return std::ranges::find(strategies(), name, &Strategy::name)->in_double(l).origin;
     };
     CHECK(at("offset.integer").x == 0.01 + 256 * 0x1p-53 * 0.5);
+    // Away from zero, below it too.
+    CHECK(at("offset.integer").y == std::bit_cast<double>(std::bit_cast<std::int64_t>(-3.0) + 128));
     CHECK(at("offset.cycles").x == Approx(0.01 + 1e-5 * 0x1p-29 * 0.5).epsilon(0x1p-52));
     CHECK(at("offset.relative").y == -3 - 4 * (1500 * 0x1p-53) * 0.5);
     CHECK(at("offset.epsilon").y == -3 - 1e-3 * 0.5);

@@ -136,6 +136,18 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
     }
 }
 
+TEST_CASE("acne: much where a shadow ray starts on its own sphere, less four ulps off, none a thousandth off") {
+    const auto acne = [](const char* name) {
+        const scene::file::Scene s = load(name, 32, 24);
+        const Collected run({.scene = s, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.unified")});
+        return run.summaries.front().count(false, Shadow::own_shadow);
+    };
+    const auto on = acne("raycast-acne.none");
+    CHECK(on > 25);
+    CHECK(acne("raycast-acne.ulp4") < on);
+    CHECK(acne("raycast-acne.eps1em3") == 0);
+}
+
 TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round at all") {
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
     s.inputs = scene::file::Inputs::own;

@@ -158,7 +158,8 @@ TEST_CASE("every cylinder form: radii of more than one chunk, against one float 
 TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, against one float after another") {
     const auto rows = all_rows(Shape::box, {"f32"});
     const std::string rays = ray("over", "0.5, 0.25, 4", "0, 0, -1") + ray("face", "1, 0.25, 4", "-0.0, 0, -1") +
-                             ray("end", "0.5, -1, 4", "0.25, 0, -1") + "tmax = 3\n";
+                             ray("end", "0.5, -1, 4", "0.25, 0, -1") + "tmax = 3\n" +
+                             ray("before", "0.5, 0.25, 4", "0.25, 0, -1") + "tmax = 2\n";
     Compared all;
     const auto with = [&](const std::string& axis) {
         const Compared some = compare(sweep_text(axis, rays, cube), rows);
