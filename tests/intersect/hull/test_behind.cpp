@@ -33,12 +33,7 @@ namespace {
 
 const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p9 = *find_format("p9");
 
-const Intersector& form(std::string_view name) {
-    for (const Intersector& row : intersect::table::catalogue())
-        if (row.info->name == name) return row;
-    FAIL("no form " << name);
-    return intersect::table::catalogue().front();
-}
+const Intersector& form(std::string_view name) { return test::row_named(intersect::table::catalogue(), name); }
 
 Solid<double> stored(const Solid<double>& solid, const Format& format) {
     return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.parameters); });

@@ -24,9 +24,7 @@ namespace {
 
 const Format f32 = *find_format("f32");
 
-const Intersector& form(std::string_view name) {
-    return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });
-}
+const Intersector& form(std::string_view name) { return test::row_named(intersect::table::catalogue(), name); }
 
 Solid<double> stored(const Solid<double>& solid) {
     return transformed(solid, [](double x) { return rounding::to_format(x, 0, binary32); });
