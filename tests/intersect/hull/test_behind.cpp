@@ -14,6 +14,7 @@
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace test_behind {
 
@@ -23,6 +24,7 @@ using intersect::table::Intersector;
 using measure::answer::ask_one;
 using measure::answer::Level;
 using measure::answer::levels_of;
+using scene::rays::round_solid;
 using test::BoxSample;
 using test::hull_named;
 using test::Rational;
@@ -34,10 +36,6 @@ namespace {
 const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p9 = *find_format("p9");
 
 const Intersector& form(std::string_view name) { return test::row_named(intersect::table::catalogue(), name); }
-
-Solid<double> stored(const Solid<double>& solid, const Format& format) {
-    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.parameters); });
-}
 
 Point point(const Solid<double>& s, std::size_t k) {
     return {Rational(s.numbers[k]), Rational(s.numbers[k + 1]), Rational(s.numbers[k + 2])};
@@ -241,7 +239,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
         const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", hull);
         for (int j = 0; j < 16; ++j) {
             const Solid<double> solid =
-                moved_by(stored(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, f32), 7401.1);
+                moved_by(round_solid(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, binary32), 7401.1);
             const Hull<double> box = hull_named(hull).in(f32, solid);
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
@@ -262,7 +260,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
     Seeded r(31);
     int by_space = 0;
     for (int n = 0; n < 3000; ++n) {
-        Solid<double> solid = stored(Box<double>{Vec<double>(-0.5), Vec<double>(0.5)}, f32);
+        Solid<double> solid = round_solid(Box<double>{Vec<double>(-0.5), Vec<double>(0.5)}, binary32);
         const double turn = r.uniform(0, 6), c = std::cos(turn), sn = std::sin(turn), x = r.uniform(7000, 9000);
         solid.placed = transformed(Placement<double>{{c, -sn, 0, x, sn, c, 0, 0, 0, 0, 1, 0}, false, 1},
                                    [](double m) { return rounding::to_format(m, 0, binary32); });
@@ -281,7 +279,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
     CHECK(by_space > 0);
 
     // Along a face, which ieee_minmax misses, wherever it is asked.
-    const Solid<double> bare = stored(Box<double>{Vec<double>(0.25), Vec<double>(0.75)}, f32);
+    const Solid<double> bare = round_solid(Box<double>{Vec<double>(0.25), Vec<double>(0.75)}, binary32);
     const Solid<double> touched = moved_by(bare, 0);
     const Ray<double> along{{0.25, 0.5, -4}, {0, 0, 1}};
     CHECK(levels_of(*row("box.ieee_minmax", "box.signs", "box.signs", "outward"), f32, along, touched, {}).lost_to ==

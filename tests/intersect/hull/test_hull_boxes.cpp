@@ -12,12 +12,14 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/rounded.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace test_hull_boxes {
 
 using namespace lostbits;
 using intersect::hull::hulls;
 using intersect::hull::HullWay;
+using scene::rays::round_solid;
 using test::hull_named;
 using test::Rational;
 using test::Seeded;
@@ -26,10 +28,6 @@ using Point = std::array<Rational, 3>;
 namespace {
 
 const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p9 = *find_format("p9");
-
-Solid<double> stored(const Solid<double>& solid, const Format& format) {
-    return transformed(solid, [&](double x) { return rounding::to_format(x, 0, format.parameters); });
-}
 
 /// The box of a solid in fractions, as its keys have it and without them: c ± r of a sphere, and so on.
 struct ExactBox {
@@ -85,7 +83,7 @@ Solid<double> random_solid(Seeded& r, Shape shape, const Format& format) {
             solid.numbers[k] = key.is_length() ? r.uniform(0.1, 2) : r.uniform(-100, 100);
     if (shape == hull_shape)
         for (std::size_t i = 0; i < 3; ++i) solid.numbers[i + 3] = solid.numbers[i] + r.uniform(0, 2);
-    return stored(solid, format);
+    return round_solid(solid, format.parameters);
 }
 
 constexpr std::array<std::string_view, 5> with_least_box{"sphere", "ellipsoid", "triangle", "capsule", "box"};
@@ -158,7 +156,8 @@ TEST_CASE("rays that truly hit a solid truly hit its box, no later", "[hull]") {
         if (!has_hull(row.shape)) continue;
         Seeded r(23);
         for (int n = 0; n < 300; ++n) {
-            const Solid<double> solid = stored(solid_around<double>(row.shape, r.vec(-3, 3), r.uniform(0.2, 1)), f32);
+            const Solid<double> solid =
+                round_solid(solid_around<double>(row.shape, r.vec(-3, 3), r.uniform(0.2, 1)), binary32);
             const Vec<double> aim = r.vec(-4, 4), from = r.vec(-9, 9);
             const Ray<double> ray{test::stored(from, binary32), test::stored(aim - from, binary32)};
             const auto truth = measure::truth::find_truth(ray, solid);

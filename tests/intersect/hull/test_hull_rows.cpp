@@ -10,6 +10,7 @@
 #include "intersect/ways.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/truth/box_families.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace test_hull_rows {
 
@@ -17,6 +18,7 @@ using namespace lostbits;
 using intersect::hull::behind;
 using intersect::table::Intersector;
 using measure::answer::ask_one;
+using scene::rays::round_solid;
 using test::hull_named;
 using test::Seeded;
 
@@ -25,10 +27,6 @@ namespace {
 const Format f32 = *find_format("f32");
 
 const Intersector& form(std::string_view name) { return test::row_named(intersect::table::catalogue(), name); }
-
-Solid<double> stored(const Solid<double>& solid) {
-    return transformed(solid, [](double x) { return rounding::to_format(x, 0, binary32); });
-}
 
 }  // namespace
 
@@ -39,7 +37,7 @@ TEST_CASE("a hit is found from its margin on and not before, and only padded end
         // Triangles that fill a face of a flat box: the hit lies on the plane that the box is entered by.
         const Vec<double> at = test::stored(r.vec(0.5, 2), binary32);
         const double x = at.x, y = at.y, z = at.z;
-        const Solid<double> solid = stored(Triangle<double>{{x, y, z}, {x, y + 4, z}, {x, y, z + 4}});
+        const Solid<double> solid = round_solid(Triangle<double>{{x, y, z}, {x, y + 4, z}, {x, y, z + 4}}, binary32);
         const Ray<double> ray{test::stored(r.vec(-8, -1), binary32), test::stored(r.vec(0.5, 1), binary32)};
         for (const char* box : {"box.signs", "box.pbrt_padded", "box.embree_robust", "box.tinybvh"}) {
             const Intersector& row = behind(intersect::hull::usual_hull(), form(box), form("triangle.filtered"));
@@ -64,7 +62,7 @@ TEST_CASE("the tape behind a box answers as its kernel, and its inputs have name
     const auto& plain = test::space_named("plain");
     int hits = 0, culled = 0;
     for (int n = 0; n < test::draws(2000); ++n) {
-        Solid<double> solid = stored(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)});
+        Solid<double> solid = round_solid(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)}, binary32);
         for (const bool placed : {false, true}) {
             if (placed) solid.placed = Placement<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
             const Vec<double> middle = placed ? solid.placed->map().point(solid.point(0)) : solid.point(0);
