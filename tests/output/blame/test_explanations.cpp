@@ -238,8 +238,8 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, which decides
             turned += s.x.hit != *exact;
         }
     });
-    CHECK(limits > 300);
-    CHECK(decided > 300);
+    CHECK(limits > 150);
+    CHECK(decided > 150);
     CHECK(turned > 20);
 }
 
@@ -262,6 +262,33 @@ TEST_CASE("no sentence of an explanation holds an infinity or a NaN as a number"
     });
     CHECK(seen["infinity"] > 0);
     CHECK(seen["not a number"] > 0);
+}
+
+TEST_CASE("shares, roundings and errors that are not finite are said to be none, and not written as numbers") {
+    // Whatever of these overflows on a way that the tests do not find.
+    int said = 0;
+    on_explained_rays(1, 69, [&](const Asked&, const Shown& s) {
+        if (s.x.attribution.culprit == no_node) return;
+        for (const double odd : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+            for (int what = 0; what < 4; ++what) {
+                Explanation x = s.x;
+                measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(x.attribution.culprit)];
+                if (what == 0) e.contribution = odd;
+                if (what == 1) e.contribution = odd, x.attribution.equals.push_back(x.attribution.culprit);
+                if (what == 2) e.rounding = e.error = odd;
+                if (what == 3) x.attribution.error = x.attribution.explained = odd;
+                if (x.culprit_alone) x.culprit_alone->mended.error = x.culprit_alone->alone.error = odd;
+                const output::blame::OperationWords words(x);
+                for (const std::string& line : lines_of(output::blame::culprit_sentence(x) + "\n" +
+                                                        verdict_of(x, s.march).text() + sums_text(x, words))) {
+                    INFO(line);
+                    CHECK_FALSE(std::regex_search(line, raw_number()));
+                    said += line.find("no finite share") != std::string::npos;
+                }
+            }
+        }
+    });
+    CHECK(said > 100);
 }
 
 TEST_CASE("what is marked as not on the way changes neither the decision nor t, whatever its value") {
