@@ -183,17 +183,18 @@ Exit run(const ExplainOptions& o, const Common& common) {
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) selection::note_lost_numbers(*asked.scene, {{&form, format}});
     const auto beside = selection::select_forms(o.beside, "--beside");
-    const measure::blame::Explanation x = measure::blame::explain(*asked.form, format, ray, beside);
+    std::optional<measure::blame::PixelOf> pixel;
+    if (asked.scene && asked.pixel)
+        pixel = {asked.scene.get(), asked.pixel->first, asked.pixel->second, {.stop = common.stop}};
+    const measure::blame::Explanation x = measure::blame::explain(*asked.form, format, ray, beside, pixel);
+    const auto march = output::blame::end_of_march(form, format, ray);
     for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
-    if (o.json) fmt::print("{}", output::blame::explain_json(x));
+    if (o.json) fmt::print("{}", output::blame::explain_json(x, march));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
     else if (o.latex) fmt::print("{}", output::blame::explain_latex(x));
     else if (o.c) fmt::print("{}", output::blame::explain_c(x));
     else {
         fmt::print("{}", asked.note);
-        std::optional<output::blame::MarchEnd> march;
-        if (form.log)
-            march = {measure::answer::march_log(form, format, ray), ray.inputs(form, format).all.march.value()};
         fmt::print("{}", output::blame::explain_text(x, common.verbose, march));
     }
     return Exit::done;

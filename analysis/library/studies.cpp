@@ -67,10 +67,12 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& row = the_one_row(chosen, "explain looks at one ray in one form and format");
     const auto* const maker = scene::rays::maker_of(*row.form);
-    const measure::answer::OneRay ray(maker ? with_rays(scene, *maker) : scene, x, y);
-    const auto found = measure::blame::explain(*row.form, row.format, ray);
+    const scene::file::Scene made = maker ? with_rays(scene, *maker) : scene;
+    const measure::answer::OneRay ray(made, x, y);
+    const auto found = measure::blame::explain(*row.form, row.format, ray, {}, measure::blame::PixelOf{&made, x, y});
+    const auto march = output::blame::end_of_march(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
-    result->texts = {output::blame::explain_text(found, false), output::blame::explain_json(found)};
+    result->texts = {output::blame::explain_text(found, false, march), output::blame::explain_json(found, march)};
     return result;
 }
 

@@ -114,8 +114,11 @@ AskedRay of_scene(const RayWords& words, const TestedForm& given, const std::fil
             "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
             "file of cases");
     if (words.worst) return worst_of_scene(scene, row, words.stop);
-    return {scene, words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
-            row.form};
+    return {scene,
+            words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
+            row.form,
+            {},
+            words.ray.empty() ? std::optional(pixel_named(words.pixel)) : std::nullopt};
 }
 
 /// A case by its name, and the ray after the last colon of what is not itself a name.

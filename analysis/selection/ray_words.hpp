@@ -37,7 +37,8 @@ struct AskedRay {
     measure::answer::OneRay ray;
     /// The one that is asked: that of the row, or it through the usual space where solids stand under matrices.
     const intersect::table::Intersector* form = nullptr;
-    std::string note = {};  ///< a line on which ray it is, where the words leave that open
+    std::string note = {};                          ///< a line on which ray it is, where the words leave that open
+    std::optional<std::pair<int, int>> pixel = {};  ///< of the scene, where the ray is that of one
 };
 
 /// The ray that the words name, as the row's form is asked about it: a case has other numbers in each format.

@@ -104,7 +104,8 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const T
     const auto x = static_cast<int>(worst.ray->x);
     AskedRay found{
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), row.form,
-        fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why)};
+        fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
+        std::pair{x, worst.ray->y}};
     found.ray.judge_by(row.judged);
     return found;
 }

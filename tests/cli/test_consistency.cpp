@@ -87,7 +87,7 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     const auto [closest, shadow] = pasted("--check before -i box.max_mult", "box-octree");
     CHECK(closest["hit"] == true);
     CHECK(shadow["hit"] == true);
-    CHECK(shadow["inputs"]["limit"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
+    CHECK(shadow["inputs"]["ray.tmax"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
 TEST_CASE("consistency: a scene in which nothing is met") {

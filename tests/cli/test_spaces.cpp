@@ -54,7 +54,7 @@ TEST_CASE("explain goes through the space, and a matrix can be given with the nu
     CHECK(x["form"] == "sphere.unified@plain");
     std::string solid, ray, matrix;
     for (const auto& [name, number] : x["inputs"].items()) {
-        if (name == "limit") continue;
+        if (name == "ray.tmax") continue;
         std::string& to = name[0] == 'M' ? matrix : name[1] == '.' ? ray : solid;
         to += (to.empty() ? "" : ",") + number["hex"].get<std::string>();
     }
@@ -90,7 +90,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
         names = matrix = solid = "";
         const auto inputs = nlohmann::ordered_json::parse(explained.out)["inputs"];
         for (const auto& [name, number] : inputs.items()) {
-            if (name == "limit") continue;
+            if (name == "ray.tmax") continue;
             const auto hex = number["hex"].get<std::string>();
             if (name[0] == 'M') names += "," + name, matrix += "," + hex;
             else if (name[1] == '.') ray += (ray.empty() ? "" : ",") + hex;

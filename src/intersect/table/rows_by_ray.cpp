@@ -36,7 +36,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
             names.push_back(prefix + "M" + std::to_string(k / 4) + std::to_string(k % 4));
     }
     if (!is_solid(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
-    names.emplace_back("limit");
+    names.emplace_back("ray.tmax");
     return names;
 }
 

@@ -1,5 +1,7 @@
 #include "measure/answer/one_ray.hpp"
 
+#include <algorithm>
+
 #include "number/error.hpp"
 
 namespace lostbits::measure::answer {
@@ -41,6 +43,19 @@ void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::Tru
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
+
+std::vector<OneRay> OneRay::pixels_around(const Scene& scene, int x, int y, truth::TruthLimit limit) {
+    std::vector<OneRay> all;
+    for (const int row : {y, y - 1, y + 1}) {
+        if (row < 0 || row >= scene.height) continue;
+        const auto band = std::make_shared<Band>(scene, row, row + 1, limit);
+        if (row == y) all.push_back(OneRay(band, static_cast<std::size_t>(x)));
+        const int first = std::max(0, x - columns_around), last = std::min(scene.width - 1, x + columns_around);
+        for (int column = first; column <= last; ++column)
+            if (row != y || column != x) all.push_back(OneRay(band, static_cast<std::size_t>(column)));
+    }
+    return all;
+}
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {
     return {band_->inputs_for(format, *form.info), index_};

@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "measure/answer/mesh_outcomes.hpp"
 #include "measure/truth/band.hpp"
@@ -22,6 +24,11 @@ public:
     OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit = {});
     /// The first ray of a group: as it is stored, with the solids and constants it has there.
     explicit OneRay(scene::rays::RayGroup group);
+    /// The ray of pixel (x, y) of a scene whose camera says who makes its rays, and behind it those of the pixels at
+    /// most `columns_around` columns and a row away.
+    static std::vector<OneRay> pixels_around(const scene::file::Scene& scene, int x, int y,
+                                             truth::TruthLimit limit = {});
+    static constexpr int columns_around = 10;
     /// Judged by this convention on touching; by each form's own word unless this is called.
     void judge_by(std::optional<intersect::Touching> convention) { judged_ = convention; }
     [[nodiscard]] std::optional<intersect::Touching> judged() const { return judged_; }
@@ -62,6 +69,7 @@ public:
     }
 
 private:
+    OneRay(std::shared_ptr<truth::Band> band, std::size_t index) : band_(std::move(band)), index_(index) {}
     [[nodiscard]] intersect::Convention convention(const intersect::Info& info) const {
         return info.convention(judged_);
     }
@@ -70,7 +78,7 @@ private:
     void ask_among(const scene::file::Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit);
 
     std::unique_ptr<culling::Culler> culler_;
-    std::unique_ptr<truth::Band> band_;
+    std::shared_ptr<truth::Band> band_;  ///< several pixels of a row have one
     std::size_t index_ = 0;
     std::optional<intersect::Touching> judged_;
 };

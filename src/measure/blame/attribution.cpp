@@ -333,10 +333,4 @@ Attribution attribute(const Tape& tape, AttributionDepth depth) {
     return found;
 }
 
-void take_root(Tape& tape, double answer) {
-    TapeOutputs& outputs = tape.outputs;
-    if (tape[outputs.hit].value != 0 && tape[outputs.t].value != answer && tape[outputs.far].value == answer)
-        outputs.t = outputs.far;
-}
-
 }  // namespace lostbits::measure::blame

@@ -76,10 +76,6 @@ Attribution attribute(const Tape& tape, AttributionDepth depth = {});
 /// Whether the form misses, and would without rounding.
 bool is_plain_miss(const Tape& tape, const Attribution& found);
 
-/// Makes the far root the answer of a tape where that was taken from it, as a range that begins behind the near one
-/// does.
-void take_root(Tape& tape, double answer);
-
 /// Contributions are equal where their sizes agree to this part of the larger. They are sums of products in binary64,
 /// far better than this; but two that are equal to first order differ by the relative error of what lies between them,
 /// which from binary32 up is mostly less than this. Of 2.9 million rays of the scenes 11 % have equals, and on one in

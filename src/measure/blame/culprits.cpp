@@ -7,6 +7,7 @@
 
 #include "intersect/hull/behind.hpp"
 #include "measure/blame/operation_error.hpp"
+#include "measure/blame/range_on_tape.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/file/march_table.hpp"
@@ -69,7 +70,9 @@ std::vector<std::string> record_all(const Intersector& form, const Target<double
     auto made = some_ray(form, setting);
     const bool is_led = made && form.info->direction != intersect::Direction::unit;
     if (is_led) made->put_before(tape);
-    return names_of_inputs(form, target, is_led ? &*made : nullptr);
+    std::vector<std::string> names = names_of_inputs(form, target, is_led ? &*made : nullptr);
+    if (setting.ranged) put_range_behind(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
+    return names;
 }
 
 /// What `names` says of each form of a set, each once.
@@ -86,7 +89,9 @@ auto of_parts(const Intersector& set, const Setting& setting, const Names& names
 }  // namespace
 
 SettingOf::SettingOf(const scene::file::Scene& scene)
-    : solids_(scene::rays::shared_solids(scene)), scene_(std::shared_ptr<void>(), &scene) {
+    : solids_(scene::rays::shared_solids(scene)),
+      scene_(std::shared_ptr<void>(), &scene),
+      ranged_(!scene.range.is_whole()) {
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
@@ -168,10 +173,10 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     return worst;
 }
 
-const std::vector<std::int32_t>& Blamer::places(const Target<double>& target, const scene::rays::RecordedRay* made) {
+const std::vector<std::int32_t>& Blamer::places(const std::function<std::vector<std::string>()>& names) {
     const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
     if (!fresh) return found->second;
-    const TapeText text(tape_, names_of_inputs(form_, target, made), TapeText::Style::generic);
+    const TapeText text(tape_, names(), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const auto place = std::ranges::find(categories_, text.category(i));
         found->second.push_back(place == categories_.end() ? -1
@@ -180,10 +185,16 @@ const std::vector<std::int32_t>& Blamer::places(const Target<double>& target, co
     return found->second;
 }
 
-Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax, const Provenance& from) {
-    form_.record(format_, ray, target, tmax, tape_);
-    const bool is_led = from.made && from.made->lead(tape_);
-    if (from.answer) take_root(tape_, *from.answer);
+Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
+                 const std::optional<scene::rays::RecordedRay>& made) {
+    form_.record(format_, ray, target, range.tmax, tape_);
+    const bool is_led = made && made->lead(tape_);
+    const auto names_without_range = [&] { return names_of_inputs(form_, target, is_led ? &*made : nullptr); };
+    std::vector<std::string> names;  // found where they are needed
+    if (!range.is_whole()) {
+        names = names_without_range();
+        put_range_behind(tape_, names, form_.of(target.solids.front().shape), format_, range);
+    }
     attribution_ = attribute(tape_);
     Blame blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
@@ -196,8 +207,8 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
         blame.culprit = 0;
         return blame;
     }
-    const std::int32_t place =
-        places(target, is_led ? &*from.made : nullptr)[static_cast<std::size_t>(attribution_.culprit)];
+    const auto names_of_all = [&] { return names.empty() ? names_without_range() : names; };
+    const std::int32_t place = places(names_of_all)[static_cast<std::size_t>(attribution_.culprit)];
     if (place >= 0) blame.culprit = place;
     return blame;
 }

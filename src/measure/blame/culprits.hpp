@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +32,7 @@ struct Setting {
     std::span<const Solid<double>> solids;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
     const scene::file::Scene* scene = nullptr;                 ///< whose camera's rays formats may make
+    bool ranged = false;                                       ///< rays have ranges
 };
 
 /// A scene's or a step's solids and constants as a `Setting`, kept while it lives; a scene outlives it.
@@ -38,13 +40,14 @@ class SettingOf {
 public:
     explicit SettingOf(const scene::file::Scene& scene);
     explicit SettingOf(const scene::rays::RayGroup& rays)
-        : solids_(rays.solids), march_(rays.march), scene_(rays.scene) {}
-    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr, scene_.get()}; }
+        : solids_(rays.solids), march_(rays.march), scene_(rays.scene), ranged_(rays.rays.have_ranges()) {}
+    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr, scene_.get(), ranged_}; }
 
 private:
     std::vector<Solid<double>> solids_;
     std::optional<intersect::MarchConstants<double>> march_;
     std::shared_ptr<const scene::file::Scene> scene_;
+    bool ranged_ = false;
 };
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
@@ -75,12 +78,6 @@ int worst_cancellation(const Attribution& attribution);
 /// The same among the operations of that name; NaN where none has it.
 double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
-/// Where a ray and its answer come from.
-struct Provenance {
-    std::optional<double> answer = {};  ///< what was taken of the form's roots, where the ray has a range
-    std::optional<scene::rays::RecordedRay> made = {};  ///< where a format made the ray
-};
-
 /// Walks the tape of one ray after another for one form. Not for several threads at once.
 class Blamer {
 public:
@@ -89,12 +86,13 @@ public:
            std::span<const std::string_view> categories, bool with_counterfactuals = false)
         : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
-    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax, const Provenance& from = {});
+    /// `made`: where a format made the ray.
+    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, const Range<double>& range = {},
+             const std::optional<scene::rays::RecordedRay>& made = {});
 
 private:
-    /// A category for each node of the tape: of all tapes of the same structure.
-    const std::vector<std::int32_t>& places(const intersect::Target<double>& target,
-                                            const scene::rays::RecordedRay* made);
+    /// A category for each node of the tape, whose inputs have these names: of all tapes of the same structure.
+    const std::vector<std::int32_t>& places(const std::function<std::vector<std::string>()>& names);
 
     const intersect::table::Intersector& form_;
     const Format& format_;

@@ -12,9 +12,11 @@
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/blame/operation_error.hpp"
+#include "measure/blame/range_on_tape.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -61,14 +63,20 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
+/// Rays near one, on which forms are compared.
+struct Surroundings {
+    std::span<const OneRay> rays;
+    bool hits_alone = false;  ///< correct misses do not count: pixels beside the solid say nothing of a t
+};
+
 /// Mean lost bits on rays of which the truth is known; a wrong decision loses all, and where t is not asked for a right
 /// one loses none.
-double lost_around(const Intersector& form, const Format& format, std::span<const OneRay> rays, bool asks_t) {
+double lost_around(const Intersector& form, const Format& format, const Surroundings& around, bool asks_t) {
     double sum = 0;
     int known = 0;
-    for (const OneRay& ray : rays) {
+    for (const OneRay& ray : around.rays) {
         const Standing s = standing_of(form, format, ray);
-        if (s.outcome == Outcome::unresolved) continue;
+        if (s.outcome == Outcome::unresolved || (around.hits_alone && s.outcome == Outcome::agree_miss)) continue;
         sum += !s.is_right() ? format.parameters.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
         ++known;
     }
@@ -85,13 +93,13 @@ std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inp
     return solids;
 }
 
-/// Whether two forms are asked for different answers on the ray. Where only one of them normalises the direction their
-/// t have different units, and the decision tells.
-bool is_other_question(const Intersector& a, const Intersector& b, const OneRay& ray) {
-    const truth::Truth of_a = ray.truth(*a.info), of_b = ray.truth(*b.info);
+/// Whether two forms are asked for different answers, each on its ray. Where only one of them normalises the direction
+/// their t have different units, and the decision tells.
+bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
+    const truth::Truth of_a = ray_a.truth(*a.info), of_b = ray_b.truth(*b.info);
     if (of_a.decision != of_b.decision) return true;
     return of_a.is_hit() && a.info->direction == b.info->direction &&
-           ray.rounded_truth(*a.info, binary64) != ray.rounded_truth(*b.info, binary64);
+           ray_a.rounded_truth(*a.info, binary64) != ray_b.rounded_truth(*b.info, binary64);
 }
 
 /// What is held against the form: one of its shape; of a set, it with this form for the solid that is explained, where
@@ -106,7 +114,26 @@ const Intersector* with_form(const Intersector& asked, Shape shape, const Inters
     return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
 }
 
-void find_better(Explanation& x, const OneRay& ray, std::span<const OneRay> around,
+/// The same rays made by the same camera.
+const Intersector* with_maker_of(const Intersector& asked, const Intersector* held) {
+    const auto* const maker = scene::rays::maker_of(asked);
+    return maker && held ? &scene::rays::with_maker(*maker, *held) : held;
+}
+
+/// How a form other than the explained one fares on a ray, and on those around it where it is right.
+Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
+                         const Surroundings& around) {
+    Standing s = standing_of(form, x.format, its_ray);
+    s.other_question = is_other_question(*x.form, ray, form, its_ray);
+    const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
+    // A form that tells no t has lost no bits of it, which makes it no better than one that is right.
+    const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
+    if (s.is_right() && !lost_all && !tells_less && !s.other_question)
+        s.around = lost_around(form, x.format, around, x.tells_t());
+    return s;
+}
+
+void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
                  std::span<const Intersector* const> beside) {
     x.standing.around = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
@@ -120,7 +147,7 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const OneRay> arou
     std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
     for (const Intersector* const other : all) {
         const bool named = std::ranges::find(beside, other) != beside.end();
-        const Intersector* const held = with_form(*x.form, x.shape, *other);
+        const Intersector* const held = with_maker_of(*x.form, with_form(*x.form, x.shape, *other));
         if (held == x.form) continue;
         if (held == nullptr || !held->exists_in(x.format)) {
             if (named) x.unasked.push_back(other);
@@ -128,35 +155,62 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const OneRay> arou
         }
         if (!intersect::doors::is_harmless(innermost(*other)) && !named) continue;
         try {
-            Standing s = standing_of(*held, x.format, ray);
-            s.other_question = is_other_question(*x.form, *held, ray);
-            const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
-            // A form that tells no t has lost no bits of it, which makes it no better than one that is right.
-            const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
-            if (s.is_right() && !lost_all && !tells_less && !s.other_question)
-                s.around = lost_around(*held, x.format, around, x.tells_t());
+            const Standing s = standing_beside(x, ray, *held, ray, around);
             if (s.around < x.standing.around) x.better.push_back(s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
             x.silent.emplace_back(error.what());
         }
     }
-    std::ranges::stable_sort(x.better, {}, &Standing::around);
+}
+
+std::vector<OneRay> pixels_around(const PixelOf& at, const scene::file::Scene& scene,
+                                  std::optional<intersect::Touching> judged) {
+    std::vector<OneRay> all = OneRay::pixels_around(scene, at.x, at.y, at.limit);
+    for (OneRay& ray : all) ray.judge_by(judged);
+    return all;
+}
+
+/// The pixels behind the first. Of a hit the other hits tell what making such rays costs.
+Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) {
+    return {pixels.subspan(1), x.truth == truth::Truth::Decision::hit};
+}
+
+/// The form on the same pixel, as every other way makes its ray; a way that cannot is passed over.
+void find_better_makers(Explanation& x, const OneRay& ray, const PixelOf& pixel) {
+    const Intersector& form = scene::rays::beneath_maker(*x.form);
+    if (form.is_set() || form.is_placed) return;
+    for (const scene::camera::Maker& maker : scene::camera::makers()) {
+        if (&maker == pixel.scene->camera.rays) continue;
+        try {
+            const scene::file::Scene scene = with_rays(*pixel.scene, maker);
+            const auto rays = pixels_around(pixel, scene, ray.judged());
+            const Standing s =
+                standing_beside(x, ray, scene::rays::with_maker(maker, form), rays.front(), around_pixel(x, rays));
+            if (s.around < x.standing.around) x.better.push_back(s);
+        } catch (const InputError&) {}
+    }
 }
 
 /// The form asked of the solid that the ray truly meets, where its answer is on another one.
 std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& format, const OneRay::Inputs& in,
-                                      int truly) {
+                                      const std::optional<scene::rays::RecordedRay>& made, int truly) {
     TrueSolid found{.solid = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
     const auto place = static_cast<std::size_t>(truly);
     found.alone.solids = {in.all.solids[place]};
     found.alone.rays.push_range(in.all.rays, in.index);
-    const double tmax = in.all.rays_for(*form.info).range(in.index).tmax;
+    const Range<double> range = in.all.rays_for(*form.info).range(in.index);
     const FormatInputs::AimedAt aim = in.all.target_for(form, place);
+    const intersect::Target<double> target = aim;
     Tape tape;
-    form.record(format, in.ray(*form.info), aim, tmax, tape);
+    form.record(format, in.ray(*form.info), target, range.tmax, tape);
+    std::vector<std::string> names = names_of_inputs(form, target, made && made->lead(tape) ? &*made : nullptr);
+    put_range_behind(tape, names, form.of(target.solids.front().shape), format, range);
+    const Attribution of = attribute(tape);
     found.hit = tape[tape.outputs.hit].value != 0;
     found.t = tape[tape.outputs.t].value;
+    found.exact_hit = of.exact_hit;
+    found.exact_t = of[tape.outputs.t].exact;
     return found;
 }
 
@@ -214,6 +268,11 @@ NodeId Explanation::amplifier(NodeId from) const {
     return most;
 }
 
+bool Explanation::rounding_turned_order() const {
+    if (!missed || !missed->exact_hit) return false;
+    return !attribution.exact_hit || missed->exact_t < attribution[tape.outputs.t].exact;
+}
+
 std::vector<NodeId> Explanation::turned() const {
     std::vector<NodeId> all;
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -235,24 +294,24 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     x.shape = in.all.solids[static_cast<std::size_t>(x.solid)].shape;
     const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const intersect::Target<double> target = aim;
-    const double tmax = in.all.rays_for(*form.info).range(in.index).tmax;
+    x.range = in.all.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
-        form.record(format, in.ray(*form.info), target, tmax, x.tape);
+        form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
         const auto made = ray.recorded_ray(format);
+        x.made_ray = made.has_value();
         x.names = names_of_inputs(form, target, made && made->lead(x.tape) ? &*made : nullptr);
+        put_range_behind(x.tape, x.names, form.of(x.shape), format, x.range);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);
         }
-        const bool ranged = in.all.rays.have_ranges();
-        if (ranged) take_root(x.tape, answers.t[in.index]);
         x.attribution = attribute(x.tape, {.full = true});
         if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
-        x.hit = ranged ? answers.hit[in.index] != 0 : x.tape[x.tape.outputs.hit].value != 0;
-        x.standing =
-            standing_of(form, format, ray, x.hit, ranged ? answers.t[in.index] : x.tape[x.tape.outputs.t].value);
+        x.hit = x.tape[x.tape.outputs.hit].value != 0;
+        x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::hull::names_on_tape(form, target);
-        x.inputs = tape::inputs_of(in.ray(*form.info), in.all.solids[static_cast<std::size_t>(x.solid)], tmax);
+        x.inputs = tape::inputs_of(in.ray(*form.info), in.all.solids[static_cast<std::size_t>(x.solid)], x.range.tmax);
+        if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
         x.hit = answers.hit[in.index] != 0;
         x.standing = standing_of(form, format, ray, x.hit, answers.t[in.index]);
     }
@@ -268,7 +327,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const int met = answers.object[in.index];
     const bool elsewhere =
         x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
-    if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, truth.object);
+    if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, ray.recorded_ray(format), truth.object);
     if (elsewhere) {  // between two solids there is a distance, and no error
         x.standing.outcome = answer::Outcome::wrong_object;
         x.standing.ulps = x.standing.lost = missing;
@@ -283,11 +342,21 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
 }
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
-                    std::span<const Intersector* const> beside) {
+                    std::span<const Intersector* const> beside, const std::optional<PixelOf>& pixel) {
     Explanation x = explain_alone(form, format, ray);
-    const OneRay::Inputs in = ray.inputs(form, format);
-    const auto solids = solids_around(x, in, ray.truth(*form.info).object);
-    find_better(x, ray, neighbours_of(ray, in, format.parameters, solids), beside);
+    if (!x.made_ray || !pixel) {
+        const OneRay::Inputs in = ray.inputs(form, format);
+        const auto solids = solids_around(x, in, ray.truth(*form.info).object);
+        const auto near = neighbours_of(ray, in, format.parameters, solids);
+        find_better(x, ray, {near}, beside);
+    } else {
+        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.judged());
+        const Surroundings around = around_pixel(x, pixels);
+        x.pixels_around = static_cast<int>(around.rays.size());
+        find_better(x, ray, around, beside);
+        find_better_makers(x, ray, *pixel);
+    }
+    std::ranges::stable_sort(x.better, {}, &Standing::around);
     return x;
 }
 

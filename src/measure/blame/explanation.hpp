@@ -20,7 +20,8 @@ struct Standing {
     double t = 0;                  ///< its answer
     double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost = truth::missing;  ///< bits; NaN unless both hit
-    /// The mean over the ray's `neighbours`, a wrong decision as all bits; NaN where nobody asked, or none is proved.
+    /// The mean over the ray's `neighbours`, or over the pixels around it where a camera makes the ray, a wrong
+    /// decision as all bits; NaN where nobody asked, or none is proved.
     double around = truth::missing;
     bool other_question = false;  ///< its contract has another truth on this ray than that of the form it is beside
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
@@ -32,8 +33,10 @@ struct Standing {
 struct TrueSolid {
     int solid = 0;  ///< from 0
     bool hit = false;
-    double t = 0;                 ///< the form's answer; means nothing for a miss
-    scene::rays::RayGroup alone;  ///< the ray, as the format holds it, with that solid
+    double t = 0;                      ///< the form's answer; means nothing for a miss
+    bool exact_hit = false;            ///< the form's decision without rounding
+    double exact_t = 0;                ///< and its t
+    scene::rays::RayGroup alone = {};  ///< the ray, as the format holds it, with that solid
 };
 
 struct Explanation {
@@ -41,6 +44,8 @@ struct Explanation {
     Format format;
     std::vector<std::string> names = {};  ///< of the inputs, in the tape's order
     std::vector<double> inputs = {};      ///< as the form received them
+    Range<double> range = {};             ///< of the ray, in the format and in the unit of the form's t
+    bool made_ray = false;                ///< a camera's: the true ray is the ideal one, and the form's is computed
     ///  the direction as the ray has it, where the form received it normalised and rounded
     std::optional<Vec<double>> given = {};
     bool rounded_inputs = false;                     ///< the format cannot hold the ray or a solid as they were given
@@ -64,7 +69,8 @@ struct Explanation {
     std::vector<Standing> better = {};
     std::vector<Standing> beside = {};  ///< of the forms that were named beside it: how they fare
     std::vector<const intersect::table::Intersector*> unasked =
-        {};  ///< and those of another shape, or not in the format
+        {};                 ///< and those of another shape, or not in the format
+    int pixels_around = 0;  ///< over how many the means are; 0: over the ray's `neighbours`
     /// Of forms from outside that were asked whether they do better: why they did not answer.
     std::vector<std::string> silent = {};
 
@@ -79,6 +85,8 @@ struct Explanation {
     /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of
     /// two bits or more.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
+    /// Whether the form would hit `missed` first without rounding.
+    [[nodiscard]] bool rounding_turned_order() const;
     /// Decisions on the way to the answer that rounding turned: live choices, and the form's own.
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
@@ -86,11 +94,20 @@ struct Explanation {
 /// What a form does on the ray, and not what others do there: `better`, `beside` and `around` stay as they are.
 Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
+/// Where a ray is from, of a scene whose camera says who makes its rays (`scene::file::with_rays`).
+struct PixelOf {
+    const scene::file::Scene* scene;
+    int x, y;
+    truth::TruthLimit limit = {};
+};
+
 /// The same, and which forms do better. That is asked of all whose faults cannot end this process
 /// (`doors::is_harmless`), and of those `beside` the form whatever they are: one from outside may crash or hang, and
-/// would take the answer with it.
+/// would take the answer with it. Where a camera makes the ray the other ways to make it are asked too. Rays near the
+/// one that was made say nothing of what making it costs, so that `around` is then the mean over the pixels around it.
 Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
-                    std::span<const intersect::table::Intersector* const> beside = {});
+                    std::span<const intersect::table::Intersector* const> beside = {},
+                    const std::optional<PixelOf>& pixel = {});
 
 inline constexpr int neighbours = 64;
 

@@ -14,6 +14,9 @@ NodeId side_taken(const Tape& tape, NodeId i);
 /// turned.
 bool can_err(TapeOp op);
 
+/// Whether what it adds is no rounding: a form goes to the next number on purpose.
+constexpr bool is_on_purpose(TapeOp op) { return op == TapeOp::next_up || op == TapeOp::next_down; }
+
 /// computed − the exact operation on the operands as computed, from error-free residuals: good to a few units in 2^-50
 /// of itself, and zero where the operation was exact. Infinite where a finite result overflowed; zero where an operand
 /// already was no finite number.

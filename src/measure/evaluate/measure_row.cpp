@@ -209,9 +209,7 @@ private:
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
         return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))),
-                          rays.range(i).tmax,
-                          {rays.have_ranges() ? std::optional(result_.answers->t[i]) : std::nullopt,
-                           result_.band->recorded_ray(i, row_.format)});
+                          rays.range(i), result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }

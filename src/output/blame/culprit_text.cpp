@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "measure/blame/attribution.hpp"
+#include "measure/blame/operation_error.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
@@ -25,9 +26,9 @@ std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "limit")
+        if (!std::isfinite(x.inputs[i]) && x.names[i] != "ray.tmax")
             return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
-                               file::decimal(x.inputs[i]), x.format.name);
+                               number_words(x.inputs[i]), x.format.name);
     }
     return {};
 }
@@ -41,8 +42,8 @@ std::string amplifier_text(const Explanation& x, const OperationWords& words) {
                                    words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
     for (const NodeId operand : a.operands) {
         if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-        text += fmt::format("; {} was already off by {} ulp", words.text().operand(operand),
-                            short_number(std::fabs(words.own_ulps(operand, words.of(operand).error))));
+        const std::string off = ulps_or_nothing(std::fabs(words.own_ulps(operand, words.of(operand).error)));
+        if (!off.empty()) text += fmt::format("; {} was already off by {}", words.text().operand(operand), off);
     }
     return text + ". ";
 }
@@ -67,16 +68,21 @@ public:
         return sum;
     }
 
-    /// `; b·b, from which it is computed, contributes the same with the opposite sign`
-    [[nodiscard]] std::string who() const {
-        if (equals_.empty()) return "";
+    /// The first of them: `b·b, a·c and 2 more`
+    [[nodiscard]] std::string names() const {
         constexpr std::size_t most = 3;
         std::vector<std::string> named;
         for (const NodeId i : equals_) {
             if (named.size() < most) named.push_back(words_.text().operand(i));
         }
         if (equals_.size() > most) named.push_back(fmt::format("{} more", equals_.size() - most));
-        std::string text = "; " + file::enumerated(named);
+        return file::enumerated(named);
+    }
+
+    /// `; b·b, from which it is computed, contributes the same with the opposite sign`
+    [[nodiscard]] std::string who() const {
+        if (equals_.empty()) return "";
+        std::string text = "; " + names();
         const bool before = std::ranges::all_of(equals_, [&](NodeId i) {
             return measure::blame::is_computed_from(x_.tape, x_.attribution, x_.attribution.culprit, i);
         });
@@ -102,63 +108,103 @@ std::string rest_text(const Explanation& x, const OperationWords& words) {
     double least = std::fabs(words.of(a.culprit).contribution);
     for (const NodeId i : a.equals) least = std::min(least, std::fabs(words.of(i).contribution));
     const auto others = largest_contributions(x.tape, a, least);
-    const std::string left = short_number(std::fabs(a.error / words.ulp()));
-    if (others.empty()) return fmt::format("{}, and an error of {} ulp is left", undo, left);
-    return fmt::format("{}: the error of {} ulp is assigned to the others, the most, {} ulp, to {}", undo, left,
+    const std::string left = ulps_or_nothing(std::fabs(a.error / words.ulp()));
+    if (left.empty()) return undo;
+    if (others.empty()) return fmt::format("{}, and an error of {} is left", undo, left);
+    return fmt::format("{}: the error of {} is assigned to the others, the most, {} ulp, to {}", undo, left,
                        short_number(std::fabs(words.contribution(others.front()))),
                        words.text().operand(others.front()));
 }
 
 }  // namespace
 
-std::string culprit_sentence(const Explanation& x) {
-    const OperationWords words(x);
-    const NodeId culprit = x.attribution.culprit, subject = x.attribution.subject;
-    if (subject == no_node || measure::blame::is_plain_miss(x.tape, x.attribution))
-        return "Rounding changed no decision of the form, so no operation is to blame.";
-    if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
-    const TapeNode& n = x.tape[culprit];
-    const std::string what = words.text().definition(culprit);
-    const bool harmless = x.standing.outcome == measure::answer::Outcome::agree_hit && x.standing.lost < 1;
-    if (!std::isfinite(n.value) && harmless)
-        return fmt::format("{} is {}, and so is the true t when it is rounded.", what, file::decimal(n.value));
-    if (!std::isfinite(n.value))
-        return fmt::format("{} is {}. Everything after it follows from that.", what, file::decimal(n.value));
-    const std::string arrives =
-        is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
+namespace {
+
+/// What the culprit does by itself: a rounding, a wrong choice, or a step to the next number; of so many ulps, where
+/// that is a number.
+std::string own_error(const Explanation& x, const OperationWords& words) {
+    const NodeId culprit = x.attribution.culprit;
     const OperationError& e = words.of(culprit);
+    const std::string ulps = ulps_or_nothing(std::fabs(words.own_ulps(culprit, e.rounding)));
+    const char* const what = e.turned                                            ? "wrong choice"
+                             : measure::blame::is_on_purpose(x.tape[culprit].op) ? "step"
+                                                                                 : "rounding";
+    return ulps.empty() ? what : fmt::format("{} of {}", what, ulps);
+}
+
+/// `is assigned 3940 ulp in t`, and which others contribute the same.
+std::string shares_text(const Explanation& x, const OperationWords& words) {
+    const measure::blame::Attribution& a = x.attribution;
+    const std::string arrives =
+        is_decision(x.tape[a.subject].op) ? fmt::format("in {}", words.text().expression(a.subject)) : "in t";
     const EqualsText equals(x, words);
-    std::string text = fmt::format("{}{} {}: its {} of {} ulp is assigned {} ulp {}{}", amplifier_text(x, words),
-                                   harmless ? "The largest contribution is that of" : "The culprit is", what,
-                                   e.turned ? "wrong choice" : "rounding",
-                                   short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
-                                   short_number(std::fabs(words.contribution(culprit))), arrives, equals.who());
+    const std::string assigned = ulps_or_nothing(std::fabs(words.contribution(a.culprit)));
+    if (assigned.empty()) {
+        const std::string rest = a.equals.empty() ? "" : fmt::format(", as {}", equals.names());
+        const std::string off = ulps_or_nothing(std::fabs(a.error / words.ulp()));
+        return fmt::format("has no finite share {}{}{}.", arrives, rest,
+                           off.empty() ? "" : fmt::format(", which is off by {}", off));
+    }
+    std::string text = fmt::format("is assigned {} {}{}", assigned, arrives, equals.who());
     if (equals.cancel()) return text + rest_text(x, words) + ".";
-    if (!x.attribution.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
-    const double share = equals.sum() * words.ulp() / x.attribution.error;
-    if (share > 1 || share < 0)
-        text += fmt::format("; the other roundings cancel all but {} ulp of it",
-                            short_number(std::fabs(x.attribution.error / words.ulp())));
-    else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
+    if (!a.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
+    const double share = equals.sum() * words.ulp() / a.error;
+    const std::string left = ulps_or_nothing(std::fabs(a.error / words.ulp()));
+    if ((share > 1 || share < 0) && !left.empty())
+        text += fmt::format("; the other roundings cancel all but {} of it", left);
+    else if (std::isfinite(share) && share >= 0 && share <= 1)
+        text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";
+}
+
+}  // namespace
+
+std::string culprit_sentence(const Explanation& x) {
+    const measure::blame::Attribution& a = x.attribution;
+    if (a.subject == no_node) {
+        if (x.hit == a.exact_hit) return "Rounding changed no decision of the form, so no operation is to blame.";
+        return fmt::format("No operation is to blame alone: without rounding the form {}, and no comparison says why.",
+                           a.exact_hit ? "hits" : "misses");
+    }
+    if (measure::blame::is_plain_miss(x.tape, a))
+        return "Rounding changed no decision of the form, so no operation is to blame.";
+    const OperationWords words(x);
+    if (a.culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
+    const TapeNode& n = x.tape[a.culprit];
+    const std::string what = words.text().definition(a.culprit);
+    const bool blamed = operation_to_blame(x) != no_node;
+    if (!std::isfinite(n.value) && !blamed && x.standing.outcome == measure::answer::Outcome::agree_hit)
+        return fmt::format("{} is {}, and so is the true t when it is rounded.", what, number_words(n.value));
+    if (!std::isfinite(n.value))
+        return fmt::format("{} is {}. Everything after it follows from that.", what, number_words(n.value));
+    if (measure::blame::is_on_purpose(n.op))
+        return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
+                           blamed ? "No rounding is to blame" : "The largest contribution is no rounding", what,
+                           own_error(x, words), shares_text(x, words));
+    return fmt::format("{}{} {}: its {} {}", amplifier_text(x, words),
+                       blamed ? "The culprit is" : "The largest contribution is that of", what, own_error(x, words),
+                       shares_text(x, words));
 }
 
 std::string counterfactual_sentence(const Explanation& x) {
     if (!x.culprit_alone || x.attribution.subject == no_node) return "";
     const OperationWords words(x);
     const auto& [mended, alone] = *x.culprit_alone;
-    const std::string what = words.text().operand(x.attribution.culprit);
+    const NodeId culprit = x.attribution.culprit;
+    const bool steps = measure::blame::is_on_purpose(x.tape[culprit].op);
+    const std::string what = words.text().operand(culprit), without = steps ? "Without" : "With",
+                      exact = steps ? "" : " alone exact", rounded = steps ? " alone" : " alone rounded";
     if (x.attribution.subject != x.tape.outputs.t) {
         const auto decides = [](bool hit) { return hit ? "hits" : "misses"; };
-        return fmt::format("With {0} alone exact the form {1}{2}; with {0} alone rounded it {3}.", what,
-                           mended.hit == x.hit ? "still " : "", decides(mended.hit), decides(alone.hit));
+        return fmt::format("{} {}{} the form {}{}; with {}{} it {}.", without, what, exact,
+                           mended.hit == x.hit ? "still " : "", decides(mended.hit), what, rounded, decides(alone.hit));
     }
     const auto off = [&](std::string_view cause, const measure::blame::Counterfactual& c) {
         if (!c.hit) return std::string("the form misses");
         return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / words.ulp()))
                                       : "t is not finite";
     };
-    return fmt::format("With {0} alone exact, {1}; with {0} alone rounded, {2}.", what, off("rounding", mended),
+    return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", mended), what, rounded,
                        off("it", alone));
 }
 

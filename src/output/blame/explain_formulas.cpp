@@ -123,7 +123,7 @@ std::string explain_latex(const Explanation& x) {
     std::string lines;
     for (NodeId i = 0; i < x.tape.size(); ++i) {
         const measure::blame::OperationError& e = x.attribution[i];
-        const bool culprit = i == x.attribution.culprit;
+        const bool culprit = i == operation_to_blame(x);
         if (!e.live || !is_operation(x.tape[i].op)) continue;
         if (x.tape[i].label.empty() && !culprit && e.cancelled < 2) continue;
         std::string right = text.expression(i);

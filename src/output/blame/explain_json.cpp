@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "measure/blame/operation_error.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/json.hpp"
@@ -43,6 +44,7 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
     j["local_error_bits"] = json_number(e.local_bits);
     j["rounding"] = json_number(e.rounding);
     j["live"] = e.live;
+    j["on_purpose"] = measure::blame::is_on_purpose(n.op);
     j["adjoint"] = json_number(e.adjoint);
     j["derivative"] = json_number(e.derivative);
     j["contribution"] = json_number(e.contribution);
@@ -60,9 +62,10 @@ Json standing(const measure::blame::Standing& s) {
 
 }  // namespace
 
-std::string explain_json(const measure::blame::Explanation& x) {
+std::string explain_json(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march) {
     const TapeText text(x.tape, x.names, TapeText::Style::plain);
     const measure::blame::Attribution& a = x.attribution;
+    const Verdict verdict = verdict_of(x, march);
     Json j{{"schema", "lostbits-explanation/1"},
            {"form", std::string(x.form->info->name)},
            {"format", x.format.name},
@@ -70,6 +73,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
            {"solid", x.solid},
            {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["open_ends"] = std::string(name_of(x.range.open));
     j["inputs_rounded"] = x.rounded_inputs;
     j["given_direction"] =
         x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
@@ -83,14 +87,18 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["wrong_root"] = is_wrong_root(x);
     j["condition"] = if_any(x.condition);
     j["inherent_bits"] = if_any(x.inherent);
-    j["verdict"] = verdict(x);
-    j["sentence"] = culprit_sentence(x);
-    j["culprit"] = node_or_null(text, a.culprit);
+    j["answer"] = verdict.answer;
+    j["verdict"] = verdict.loss;
+    j["sentence"] = verdict.blame;
+    j["culprit"] = node_or_null(text, verdict.culprit);
+    j["largest"] = node_or_null(text, a.culprit);
+    j["largest_sentence"] = x.has_tape() ? Json(culprit_sentence(x)) : Json(nullptr);
     const auto counterfactual = [](const measure::blame::Counterfactual& c) {
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
-    j["culprit_alone_exact"] = x.culprit_alone ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
-    j["culprit_alone_rounded"] = x.culprit_alone ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
+    const bool runs = x.culprit_alone && verdict.culprit != no_node;
+    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
+    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };

@@ -28,16 +28,23 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
+/// `  o.x = 0x1p+0  1`, and last the range of the ray, where it is not all that lies ahead.
 std::string inputs_block(const Explanation& x) {
-    std::string text;
+    std::string text, begin, end;
     std::size_t width = 0;
     for (const auto& name : x.names) width = std::max(width, name.size());
+    const auto line = [&](std::size_t i, const char* what) {
+        return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
+                           file::decimal(x.inputs[i]), what);
+    };
+    const auto kind = [](bool open) { return open ? " (open: no hit there)" : " (closed)"; };
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (x.names[i] == "limit" && std::isinf(x.inputs[i])) continue;
-        text += fmt::format("  {:<{}} = {:<22} {}\n", x.names[i], width, file::hex(x.inputs[i]),
-                            file::decimal(x.inputs[i]));
+        if (x.names[i] == "ray.tmin") begin = line(i, kind(x.range.open.tmin));
+        else if (x.names[i] == "ray.tmax")
+            end = line(i, std::isinf(x.inputs[i]) ? " (no end)" : kind(x.range.open.tmax));
+        else text += line(i, "");
     }
-    return text;
+    return x.range.is_whole() ? text : text + begin + end;
 }
 
 constexpr std::size_t widest_expression = 54;
@@ -49,9 +56,9 @@ std::string left_of(const char* mark, const OperationRow& row) {
     return padded(std::move(left), widest_expression) + " ";
 }
 
-std::string line_of(const Explanation& x, const OperationWords& words, const OperationRow& row) {
-    const bool decides = row.digits == 0, aside = row.whole && !decides && !words.of(row.node).live;
-    const char* const mark = row.culprit ? "* " : aside ? "- " : "  ";
+std::string line_of(const Explanation& x, const OperationRow& row) {
+    const bool decides = row.digits == 0;
+    const char* const mark = row.culprit ? "* " : row.aside ? "- " : "  ";
     const int width = digits_of(x.format.parameters) + 6;
     const auto number = [&](double v) {
         if (decides) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
@@ -61,7 +68,7 @@ std::string line_of(const Explanation& x, const OperationWords& words, const Ope
     if (row.whole && !decides)
         line += fmt::format(" {:>9} {:<16} {:>6} {:>9} {:>10}", row.off, row.cancelled, row.local, row.own, row.share);
     while (line.back() == ' ') line.pop_back();
-    return line + (row.turned ? "  rounding chose the other side" : "") + "\n";
+    return line + (row.turned ? "  rounding chose the other side" : row.on_purpose ? "  on purpose" : "") + "\n";
 }
 
 std::string table(const Explanation& x, const OperationWords& words, bool all) {
@@ -73,7 +80,7 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
     const OperationTable found = operation_table(x, words, all);
     if (found.first > 0)
         text += fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(found.first, "operation"));
-    for (const OperationRow& row : found.rows) text += line_of(x, words, row);
+    for (const OperationRow& row : found.rows) text += line_of(x, row);
     return text;
 }
 
@@ -96,7 +103,7 @@ std::string comparison_text(const Explanation& x, const OperationWords& words, N
     std::vector<std::string> sides;
     for (const NodeId s : x.tape[i].operands) {
         if (s != no_node && x.tape[s].op != TapeOp::constant)
-            sides.push_back(fmt::format("{} is {}", words.text().operand(s), file::decimal(words.of(s).exact)));
+            sides.push_back(fmt::format("{} is {}", words.text().operand(s), number_words(words.of(s).exact)));
     }
     return fmt::format("{} {}, where {}", words.text().expression(i),
                        words.of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
@@ -124,6 +131,7 @@ std::string model_sentence(const Explanation& x, const OperationWords& words) {
 std::string sums_sentence(const Explanation& x, const OperationWords& words) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::blame::is_plain_miss(x.tape, a)) return "";
+    if (!std::isfinite(a.explained)) return "Some contributions are not finite, so that they have no sum.\n";
     const double ulp = words.ulp(), rest = a.error - a.explained;
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp),
                                    short_number(a.error / ulp),
@@ -142,8 +150,9 @@ std::string sums_sentence(const Explanation& x, const OperationWords& words) {
 /// How much of the error is rounding's at all.
 std::string split_sentence(const Explanation& x, const OperationWords& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
-    if (!names_culprit(x)) return "";  // said there
+    if (operation_to_blame(x) == no_node) return "";  // said there
     const double rounding = x.attribution.error / words.ulp();
+    if (!std::isfinite(rounding) || !std::isfinite(x.standing.ulps)) return "";
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
     return fmt::format(
         "Rounding inside the form makes {} of the {} ulp. The rest is there even without it, on the inputs as the "
@@ -156,15 +165,18 @@ std::string turned_sentences(const Explanation& x, const OperationWords& words) 
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
-            text += fmt::format("Rounding changed the choice in {}: the other side is {} away.\n",
-                                words.text().definition(i), short_number(std::fabs(words.of(i).rounding)));
+            const double away = std::fabs(words.of(i).rounding);
+            text += fmt::format("Rounding changed the choice in {}: {}.\n", words.text().definition(i),
+                                std::isfinite(away) ? fmt::format("the other side is {} away", short_number(away))
+                                                    : "one of its sides is not finite");
             continue;
         }
         std::vector<std::string> sides;
         for (const NodeId s : {n.operands[0], n.operands[1]}) {
             if (x.tape[s].op == TapeOp::constant) continue;
-            sides.push_back(fmt::format("{} is {}, without rounding {}", words.text().operand(s),
-                                        file::decimal(x.tape[s].value), file::decimal(words.of(s).exact)));
+            const std::string computed = number_words(x.tape[s].value), exact = number_words(words.of(s).exact);
+            sides.push_back(fmt::format("{} is {}{}", words.text().operand(s), computed,
+                                        computed == exact ? "" : ", without rounding " + exact));
         }
         text +=
             fmt::format("Rounding changed the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
@@ -178,24 +190,57 @@ std::string sums_text(const Explanation& x, const OperationWords& words) {
     return sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);
 }
 
-std::string verdict(const Explanation& x) {
-    if (x.standing.outcome != Outcome::agree_hit) {
-        if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
-        return std::isnan(x.condition) ? "The ray hits nothing, so it has no condition number."
-                                       : fmt::format("Condition {}: half an ulp in each input costs {:.1f} bits.",
-                                                     short_number(x.condition), x.inherent);
-    }
+namespace {
+
+/// What the envelope moves: the numbers of the problem as it is stored, before any step of the form.
+std::string each_input(const Explanation& x) {
+    const bool placed = x.form->of(x.shape).is_placed;
+    if (x.made_ray) return "half an ulp in each number of the ideal ray and of the solid";
+    return placed ? "half an ulp in each number of ray, solid and matrix as the world stores them"
+                  : "half an ulp in each input";
+}
+
+std::string condition_words(double condition) {
+    return std::isfinite(condition) ? fmt::format("Condition {}", short_number(condition))
+                                    : "The condition is infinite";
+}
+
+bool another_does_better(const Explanation& x) {
+    return std::ranges::any_of(x.better, [&](const measure::blame::Standing& s) {
+        return x.standing.around - s.around >= worth_saying && s.lost < x.standing.lost;
+    });
+}
+
+/// Of a loss that the envelope covers.
+std::string within_envelope(const Explanation& x) {
+    const char* const loses = x.form->of(x.shape).is_placed ? "transform and form lose no more than that"
+                              : x.made_ray                  ? "making the ray and the form lose no more than that"
+                                                            : "the formula loses no more than that";
+    const std::string others = another_does_better(x) ? ", but that is no bound for others, which do better below" : "";
+    if (x.made_ray) return fmt::format("; {}{}.", loses, others);
+    if (x.rounded_inputs) return "; input rounding alone explains this loss.";
+    if (x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
+        return fmt::format("; {}{}.", loses, others);
+    return fmt::format("; {} is ill-conditioned in {}, and {}. The inputs are exact: wider arithmetic on them helps{}.",
+                       x.form->of(x.shape).is_placed ? "as the world stores it the problem" : "the problem",
+                       x.format.name,
+                       x.form->of(x.shape).is_placed ? "transform and form lose no more" : "the formula loses no more",
+                       another_does_better(x) ? ", and others do better without it, below" : "");
+}
+
+}  // namespace
+
+std::string envelope_sentence(const Explanation& x) {
+    if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
+    if (x.standing.outcome != Outcome::agree_hit)
+        return std::isnan(x.condition)
+                   ? "The ray hits nothing, so it has no condition number."
+                   : fmt::format("{}: {} costs {:.1f} bits.", condition_words(x.condition), each_input(x), x.inherent);
     if (!x.tells_t()) return "It tells no t, so it has no bits to lose.";
-    const std::string envelope = fmt::format("Condition {}: half an ulp in each input would cost {:.1f} bits",
-                                             short_number(x.condition), x.inherent);
+    const std::string envelope =
+        fmt::format("{}: {} would cost {:.1f} bits", condition_words(x.condition), each_input(x), x.inherent);
     if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";
-    if (x.excess() < 1 && x.rounded_inputs) return envelope + "; input rounding alone explains this loss.";
-    if (x.excess() < 1)
-        return envelope + (x.form->info->direction == intersect::Direction::unit || !rounding_explains(x)
-                               ? "; the formula loses no more than that."
-                               : fmt::format("; the problem is ill-conditioned in {}, and the formula loses no "
-                                             "more. The inputs are exact: wider arithmetic on them helps.",
-                                             x.format.name));
+    if (x.excess() < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)
         return envelope + fmt::format(", but cannot move t so far; the formula loses {:.1f} bits.", x.excess());
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
@@ -203,7 +248,7 @@ std::string verdict(const Explanation& x) {
 
 std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
-    text += verdict_text(x, march) + "\n";
+    text += verdict_of(x, march).text() + better_sentences(x) + "\n";
     if (x.solids > 1 && is_solid(x.form->shape))
         text += fmt::format("Of the solids 0 to {}, this is solid {}.\n", x.solids - 1, x.solid);
     if (x.form->is_set())
@@ -223,19 +268,19 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
             "distance.\n",
-            file::decimal(x.given->x), file::decimal(x.given->y), file::decimal(x.given->z));
+            number_words(x.given->x), number_words(x.given->y), number_words(x.given->z));
     }
     text += inputs_block(x) + "\n";
     if (!x.has_tape()) return text;
     const OperationWords words(x);
     if (march) text += march_samples(*march, x.format) + "\n";
-    text +=
-        table(x, words, all) +
-        fmt::format(
-            "\n{}- what is not on the way to the answer. local: bits that the operation alone loses on exact operands, "
-            "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
-            "operations: own times the difference quotient from there to the end.\n",
-            names_culprit(x) ? "* marks the culprit, " : "");
+    text += table(x, words, all) +
+            fmt::format(
+                "\n{}- what is not on the way to the answer. What only decides which way is taken has no share. local: "
+                "bits that the operation alone loses on exact operands, "
+                "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
+                "operations: own times the difference quotient from there to the end.\n",
+                operation_to_blame(x) != no_node ? "* marks the culprit, " : "");
     const std::string sums = sums_text(x, words);
     return text + (sums.empty() ? "" : "\n" + sums);
 }

@@ -17,25 +17,42 @@ struct MarchEnd {
     intersect::MarchConstants<double> constants;
 };
 
-/// What it comes to in sentences, the inputs, the samples of a march, and the table of operations with the culprit
+/// How the march of a form ended along a ray; nothing for a form that does not march.
+std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
+                                     const measure::answer::OneRay& ray);
+
+/// What is concluded of an explained ray. Text, JSON and page are views of this one: what it says stands in each of
+/// them, word for word.
+struct Verdict {
+    std::string
+        answer;         ///< how far off it is, or what became of the decision; another primitive, the mesh: a line each
+    std::string loss;   ///< whose the loss is: the problem's, the formula's, or nobody's where a march ended
+    std::string blame;  ///< which operation, or why none
+    NodeId culprit = no_node;  ///< the operation to blame; none where `blame` says that none is
+
+    /// The three, a line each.
+    [[nodiscard]] std::string text() const;
+};
+Verdict verdict_of(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
+
+/// Which forms do better on the ray and around it, a sentence a line.
+std::string better_sentences(const measure::blame::Explanation& x);
+
+/// The verdict, which forms do better, the inputs, the samples of a march, and the table of operations with the culprit
 /// marked. `all` shows every operation; otherwise those that the answer is computed from and that round, cancel, or
 /// have a name, and those that a row names: of an earlier sample of a march their values.
 std::string explain_text(const measure::blame::Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
-
-/// The sentences that stand first: the answer, whose the loss is, which operation, and what does better. `march` where
-/// the form marches.
-std::string verdict_text(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
-/// Those of them that are of the form itself, and not of what other forms do.
-std::string verdict_alone(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
 
 /// What stands below the table, a sentence a line: what the contributions sum to, what is not rounding's, and which
 /// decisions rounding changed.
 std::string sums_text(const measure::blame::Explanation& x, const OperationWords& words);
 
-/// Whether the problem or the formula is to blame, by the envelope.
-std::string verdict(const measure::blame::Explanation& x);
+/// Whether the problem or the formula is to blame, by the envelope, which is of the problem as it is stored: of a
+/// primitive under a matrix that of the world, of a camera's ray that of the ideal one.
+std::string envelope_sentence(const measure::blame::Explanation& x);
 
-/// Which operation is the culprit, what became of its rounding, and which others contribute as much.
+/// Which operation contributes most, what became of its rounding, and which others contribute as much; or why none
+/// does. It is called the culprit where it is to blame.
 std::string culprit_sentence(const measure::blame::Explanation& x);
 /// What becomes of the answer if the culprit alone did not round, and if it alone did; empty where there is none.
 std::string counterfactual_sentence(const measure::blame::Explanation& x);
@@ -48,10 +65,10 @@ std::string decision_text(const std::string& form, measure::answer::Outcome outc
 /// is to blame: below one bit lies what the last rounding of any formula may cost.
 inline constexpr double worth_saying = 1;
 
-/// Whether an operation is to blame, and worth its name: rounding in the form turned the decision, made a value that
-/// is not a number, or costs a bit or more of an answer that lost one. What a march stops short, and what the format
-/// does to the inputs, no operation lost.
-bool names_culprit(const measure::blame::Explanation& x);
+/// The operation to blame: rounding in the form turned a decision that is wrong, or the order of two primitives, made a
+/// value that is not a number, or costs a bit or more of an answer that lost one. None where a decision is right, and
+/// of what a march stops short and the format does to the inputs, which no operation lost.
+NodeId operation_to_blame(const measure::blame::Explanation& x);
 
 /// Whether the roundings of the operations make what is lost, so that wider arithmetic on the same inputs would keep
 /// it.
@@ -67,9 +84,9 @@ std::string march_table(const intersect::table::Intersector& form, const Format&
                         const measure::answer::OneRay& ray);
 
 /// Everything in one JSON object. Inputs and results are there as decimals and as hexadecimal floats. A number that is
-/// infinite or NaN is the string "inf", "-inf" or "nan"; what there is not (the error of a miss, the culprit where
-/// nothing is lost, a direction that was not normalised) is null.
-std::string explain_json(const measure::blame::Explanation& x);
+/// infinite or NaN is the string "inf", "-inf" or "nan"; what there is not (the error of a miss, the culprit where none
+/// is to blame, a direction that was not normalised) is null.
+std::string explain_json(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march = {});
 
 /// The live operations as a LaTeX `align*`: cancellations under braces, the culprit in a box. Needs amsmath.
 std::string explain_latex(const measure::blame::Explanation& x);

@@ -48,6 +48,12 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 
 }  // namespace
 
+std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
+                                     const measure::answer::OneRay& ray) {
+    if (!form.log) return {};
+    return MarchEnd{measure::answer::march_log(form, format, ray), ray.inputs(form, format).all.march.value()};
+}
+
 std::string march_samples(const MarchEnd& march, const Format& format) {
     const auto& [log, c] = march;
     const int digits = digits_of(format.parameters), width = digits + 7;

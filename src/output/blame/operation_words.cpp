@@ -22,8 +22,44 @@ std::string short_number(double x) {
                : fmt::format("{:.2e}", x);
 }
 
+std::string number_words(double x) {
+    if (std::isnan(x)) return "not a number";
+    if (std::isinf(x)) return x < 0 ? "minus infinity" : "infinity";
+    return file::decimal(x);
+}
+
+std::string ulps_or_nothing(double ulps) { return std::isfinite(ulps) ? short_number(ulps) + " ulp" : ""; }
+
+namespace {
+
+std::vector<bool> nodes_on_way(const measure::blame::Explanation& x) {
+    std::vector<bool> on_way(x.tape.nodes.size());
+    const auto mark = [&on_way](NodeId i) {
+        if (i != no_node) on_way[static_cast<std::size_t>(i)] = true;
+    };
+    mark(x.tape.outputs.hit);
+    if (x.hit || x.tape.outputs.hit == no_node) mark(x.tape.outputs.t);
+    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
+        if (x.attribution[i].live) mark(i);
+        if (!on_way[static_cast<std::size_t>(i)]) continue;
+        const TapeNode& n = x.tape[i];
+        if (n.op != TapeOp::select) {
+            std::ranges::for_each(x.tape.operands_of(i), mark);
+        } else {
+            mark(n.operands[0]);
+            mark(measure::blame::side_taken(x.tape, i));
+        }
+    }
+    return on_way;
+}
+
+}  // namespace
+
 OperationWords::OperationWords(const measure::blame::Explanation& x)
-    : x_(x), text_(x.tape, x.names, measure::blame::TapeText::Style::pretty), ulp_(x.ulp_of_subject()) {
+    : x_(x),
+      text_(x.tape, x.names, measure::blame::TapeText::Style::pretty),
+      ulp_(x.ulp_of_subject()),
+      on_way_(nodes_on_way(x)) {
     for (NodeId i = 0; i < x.tape.size(); ++i) {
         if (is_given(x.tape[i].op)) continue;
         const std::string& name = text_.name(i);
@@ -89,15 +125,17 @@ OperationRow row_of(const measure::blame::Explanation& x, const OperationWords& 
                      .exact = e.exact,
                      .digits = decides ? 0 : digits_of(x.tape.format_of(i))};
     if (!whole) return row;
-    row.culprit = i == x.attribution.culprit && names_culprit(x);
+    row.culprit = i == operation_to_blame(x);
     row.turned = e.turned && (decides || e.rounding != 0);
+    row.aside = !decides && !words.is_on_way(i);
+    row.on_purpose = measure::blame::is_on_purpose(n.op) && e.rounding != 0;
     if (decides) return row;
-    row.off = short_number(words.own_ulps(i, e.error));
+    const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
+    row.off = number(words.own_ulps(i, e.error));
     row.cancelled = words.cancellation(i);
     if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) row.own = short_number(words.own_ulps(i, e.rounding));
-    if (e.live && e.rounding != 0 && !std::isnan(words.contribution(i)))
-        row.share = short_number(words.contribution(i));
+    if (e.rounding != 0) row.own = number(words.own_ulps(i, e.rounding));
+    if (e.live && e.rounding != 0) row.share = number(words.contribution(i));
     return row;
 }
 
@@ -115,8 +153,7 @@ OperationTable operation_table(const measure::blame::Explanation& x, const Opera
     std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
     for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
         const auto place = static_cast<std::size_t>(i);
-        const bool culprit = i == x.attribution.culprit && names_culprit(x);
-        whole[place] = culprit || (i >= table.first && (shown[place] || words.is_shown(i, all)));
+        whole[place] = i == operation_to_blame(x) || (i >= table.first && (shown[place] || words.is_shown(i, all)));
         shown[place] = shown[place] || whole[place];
         if (!whole[place]) continue;
         for (const NodeId named : words.named_in(i)) shown[static_cast<std::size_t>(named)] = true;

@@ -14,6 +14,11 @@ namespace lostbits::output::blame {
 /// Three digits; `nan` without the sign that says nothing and that machines choose differently.
 std::string short_number(double x);
 
+/// A number in a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
+std::string number_words(double x);
+/// `3.5 ulp`; of what is not finite nothing, as there is no such number of ulps.
+std::string ulps_or_nothing(double ulps);
+
 /// A view of an explanation, with the names and the ulps of its operations.
 class OperationWords {
 public:
@@ -27,6 +32,9 @@ public:
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     /// `24 catastrophic`
     [[nodiscard]] std::string cancellation(NodeId i) const;
+    /// Whether the answer is computed from it: what only chose a branch, or was compared and not taken, too. Not what
+    /// stands on a side that was not taken, and of a miss not what only t is computed from.
+    [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
     /// Whether the table has a row for it.
     [[nodiscard]] bool is_shown(NodeId i, bool all) const;
     /// The operations that its expression calls by their names.
@@ -40,6 +48,7 @@ private:
     const measure::blame::Explanation& x_;
     measure::blame::TapeText text_;
     double ulp_;
+    std::vector<bool> on_way_;
     std::map<std::string, std::vector<NodeId>, std::less<>> called_;  ///< operations by name; by a vector's all three
 };
 
@@ -48,8 +57,10 @@ struct OperationRow {
     NodeId node = no_node;
     /// False: of an earlier sample of a march, which another row names. Its values stand there alone.
     bool whole = true;
-    bool culprit = false;  ///< and one worth its name
-    bool turned = false;   ///< rounding chose the other side
+    bool culprit = false;     ///< and one worth its name
+    bool turned = false;      ///< rounding chose the other side
+    bool on_purpose = false;  ///< no rounding: the form goes to the next number
+    bool aside = false;       ///< not on the way to the answer
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< of a decision 1 or 0
     int digits = 0;                  ///< that tell numbers of its format apart; 0: a decision

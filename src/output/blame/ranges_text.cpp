@@ -42,7 +42,7 @@ std::string ranges_block(const RangesBound& r) {
             if (ends == one) continue;
             ends += (ends.empty() ? "" : "; ") + one;
         }
-        if (r.names[k] != "limit" || ends != "inf") text += fmt::format("  {:<9} = {}\n", r.names[k], ends);
+        if (r.names[k] != "ray.tmax" || ends != "inf") text += fmt::format("  {:<9} = {}\n", r.names[k], ends);
     }
     return text;
 }

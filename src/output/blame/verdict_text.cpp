@@ -10,6 +10,7 @@
 #include "measure/tape/tape_form.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
+#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 #include "shapes/number_names.hpp"
 
@@ -28,7 +29,7 @@ std::string decision_sentence(const Explanation& x) {
     const bool right = o == Outcome::agree_hit || o == Outcome::agree_miss;
     if (!right && !yes && o != Outcome::false_miss) return "The true answer for this ray could not be proved.";
     return fmt::format("{} answers {}, {} the ray {}: a {} {}.", x.form->info->name, yes ? "yes" : "no",
-                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses",
+                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", number_words(*x.true_t)) : "misses",
                        right ? "correct" : "false", yes ? "hit" : "miss");
 }
 
@@ -38,9 +39,12 @@ std::string outcome_sentence(const Explanation& x) {
     if (!x.tells_t()) return decision_sentence(x);
     if (x.standing.outcome == Outcome::wrong_object)
         return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
-                           file::decimal(t), file::decimal(true_t));
+                           number_words(t), number_words(true_t));
     const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
     if (!decided.empty()) return decided;
+    if (!std::isfinite(x.standing.ulps))
+        return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_words(t), number_words(true_t),
+                           x.format.parameters.precision);
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
                        file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost,
                        x.format.parameters.precision,
@@ -50,7 +54,7 @@ std::string outcome_sentence(const Explanation& x) {
 /// The form hits another solid than the ray: which, what it says of the right one, and how to look at that.
 std::string wrong_solid_sentence(const Explanation& x) {
     const measure::blame::TrueSolid& missed = *x.missed;
-    const std::string says = missed.hit ? fmt::format("a hit at {}, {}", file::decimal(missed.t),
+    const std::string says = missed.hit ? fmt::format("a hit at {}, {}", number_words(missed.t),
                                                       missed.t > x.standing.t ? "behind" : "which is not before")
                                         : "a miss";
     const Shape other = missed.alone.solids.front().shape;
@@ -79,6 +83,9 @@ bool rounds_little(const Explanation& x) {
 
 bool is_not_roundings(const Explanation& x) { return x.standing.lost >= worth_saying && rounds_little(x); }
 
+/// Three digits of a number, or what it is in place of one.
+std::string size_words(double x) { return std::isfinite(x) ? short_number(x) : number_words(x); }
+
 /// Of an answer that a march gave, or did not reach.
 std::string march_sentence(const Explanation& x, const MarchEnd& march) {
     const auto& [log, c] = march;
@@ -89,49 +96,64 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
         return fmt::format(
             "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface, which is how it is "
             "meant ({}), not what rounding lost.",
-            samples, c.max_steps, short_number(d), short_number(std::fabs(short_of)),
-            short_of < 0 ? "short of" : "behind", x.form->info->title);
+            samples, c.max_steps, size_words(d), size_words(std::fabs(short_of)), short_of < 0 ? "short of" : "behind",
+            x.form->info->title);
     }
     if (x.standing.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
             return fmt::format("The march used all its {} samples and was {} away from a surface then.", c.max_steps,
-                               short_number(d));
+                               size_words(d));
         case Stop::stagnated:
             return fmt::format(
                 "The march stood still: a step of {} does not change t in {}, so that no further sample would help.",
-                short_number(d), x.format.name);
+                size_words(d), x.format.name);
         case Stop::max_dist: return fmt::format("The march went past max_dist = {}.", file::decimal(c.max_dist));
         case Stop::hit: break;
     }
     return "";
 }
 
-/// Whose the loss is. `verdict` holds the problem against the formula; of a march neither may be to blame.
+/// Whose the loss is. `envelope_sentence` holds the problem against the formula; of a march neither may be to blame.
 std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& march) {
     const bool stopped = x.standing.outcome == Outcome::agree_hit && is_not_roundings(x) && x.excess() >= worth_saying;
     if (march && (stopped || x.standing.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(x, *march);
         if (!sentence.empty()) return sentence;
     }
-    return verdict(x);
+    return envelope_sentence(x);
 }
 
-/// The culprit, or why there is none to name.
-std::string blame_sentence(const Explanation& x, bool marches) {
-    if (!x.has_tape())
-        return "Its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
-               "see them (docs/your-own-form.md).";
-    if (names_culprit(x)) {
-        const std::string alone = counterfactual_sentence(x);
-        return culprit_sentence(x) + (alone.empty() ? "" : " " + alone);
-    }
-    if (!x.tells_t() && x.standing.is_right()) return "No operation is to blame: the decision is right.";
-    const bool hit = x.standing.outcome == Outcome::agree_hit;
-    if (!hit || x.attribution.subject == no_node || x.attribution.culprit == no_node) {
-        const bool silent = x.attribution.culprit != no_node;
-        return silent ? "The decision is the same without rounding, so no operation is to blame." : culprit_sentence(x);
-    }
+/// Another solid than the ray meets first, and not so without rounding.
+std::string turned_order_sentence(const Explanation& x) {
+    const measure::blame::Attribution& a = x.attribution;
+    const auto exactly = [](bool hit, double t) {
+        return hit ? fmt::format("is hit at {}", number_words(t)) : std::string("is missed");
+    };
+    const std::string order = fmt::format(
+        "Rounding turned which solid comes first: without it solid {} {}, and solid {} {}.", x.missed->solid,
+        exactly(true, x.missed->exact_t), x.solid, exactly(a.exact_hit, a[x.tape.outputs.t].exact));
+    return order + (operation_to_blame(x) == no_node
+                        ? fmt::format(" The larger error is that of solid {}, which the command above explains.",
+                                      x.missed->solid)
+                        : " " + culprit_sentence(x));
+}
+
+/// Why the decision, or what is lost, is no operation's.
+std::string no_blame_sentence(const Explanation& x, bool marches) {
+    const measure::blame::Attribution& a = x.attribution;
+    const bool hit = x.standing.outcome == Outcome::agree_hit, right = x.standing.is_right();
+    const bool turned = x.hit != a.exact_hit && !a.cut_short;
+    if (right && turned)
+        return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
+                           a.exact_hit ? "hit" : "miss");
+    if (!x.tells_t() && right) return "No operation is to blame: the decision is right.";
+    if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
+    if (x.hit != a.exact_hit && a.cut_short)
+        return "No operation is to blame alone: without rounding the march would have gone on.";
+    if (!hit && turned) return "Its true answer is open, so no operation is to blame.";
+    if (!hit) return "The decision is the same without rounding, so no operation is to blame.";
+    if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.standing.lost < worth_saying) return "No operation is to blame: what is lost is less than a bit.";
     if (!rounds_little(x)) return "No operation is to blame: none of their roundings reaches t.";
     const bool inputs = x.rounded_inputs && !(x.excess() >= worth_saying);
@@ -139,8 +161,20 @@ std::string blame_sentence(const Explanation& x, bool marches) {
                              : inputs  ? "the rest comes from inputs that the format cannot hold"
                              : marches ? "the rest is where the march ended"
                                        : "the rest is there without it, from what the form assumes";
-    return fmt::format("No operation is to blame: rounding inside the form makes {} of the {} ulp, and {}.",
-                       short_number(rounding_ulps(x)), short_number(x.standing.ulps), rest);
+    const std::string all = ulps_or_nothing(x.standing.ulps);
+    return fmt::format("No operation is to blame: rounding inside the form makes {}{}, and {}.",
+                       short_number(rounding_ulps(x)), all.empty() ? " ulp" : " of the " + all, rest);
+}
+
+/// The culprit, or why there is none to name.
+std::string blame_sentence(const Explanation& x, bool marches) {
+    if (!x.has_tape())
+        return "Its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
+               "see them (docs/your-own-form.md).";
+    if (x.missed && x.rounding_turned_order()) return turned_order_sentence(x);
+    if (operation_to_blame(x) == no_node) return no_blame_sentence(x, marches);
+    const std::string alone = counterfactual_sentence(x);
+    return culprit_sentence(x) + (alone.empty() ? "" : " " + alone);
 }
 
 /// `a correct miss`, `4.6 bits lost`.
@@ -180,11 +214,16 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
     return text;
 }
 
-std::string better_sentence(const Explanation& x) {
+}  // namespace
+
+std::string better_sentences(const Explanation& x) {
     std::string text;
     constexpr std::size_t most = 6;
     std::vector<const intersect::table::Intersector*> told;
     std::size_t left = 0;
+    const std::string around =
+        x.pixels_around > 0 ? fmt::format("{} pixels", x.pixels_around)
+                            : fmt::format("{} rays, each number within an ulp of its own", measure::blame::neighbours);
     for (const measure::blame::Standing& s : x.better) {
         if (x.standing.is_right() && !(x.standing.around - s.around >= worth_saying)) continue;
         const bool named = std::ranges::find(x.beside, s.form, &measure::blame::Standing::form) != x.beside.end();
@@ -201,23 +240,20 @@ std::string better_sentence(const Explanation& x) {
                            x.better.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
-            "Better on this ray and around it:{}{}.\nAround it are {} rays, each number within an ulp of its own: "
-            "there "
-            "{} loses {:.1f} bits in the mean, a wrong decision counted as all {}.\n",
-            text, left > 0 ? fmt::format(" and {} more", left) : "", measure::blame::neighbours, x.form->info->name,
-            x.standing.around, x.format.parameters.precision);
+            "Better on this ray and around it:{}{}.\nAround it are {}: there {} loses {:.1f} bits in the mean, a wrong "
+            "decision counted as all {}.\n",
+            text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.standing.around,
+            x.format.parameters.precision);
     return text + beside_sentences(x, told);
 }
-
-}  // namespace
 
 std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t) {
     switch (outcome) {
         case Outcome::agree_miss: return form + " misses, and so does the exact ray: a correct miss.";
         case Outcome::false_hit:
-            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, file::decimal(t));
+            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, number_words(t));
         case Outcome::false_miss:
-            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, file::decimal(true_t));
+            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, number_words(true_t));
         case Outcome::not_a_number: return form + " reports a hit at NaN.";
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
         default: return "";  // outcomes of a whole mesh: what is explained is an answer of one solid
@@ -228,19 +264,26 @@ bool is_wrong_root(const Explanation& x) {
     const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;
     if (!far_off || !x.true_t || !is_solid(x.form->shape) || x.missed) return false;
     const Solid<double> solid(x.shape);
-    if (x.inputs.size() != 6 + solid.used().size() + 1) return false;  // under a matrix
+    const std::size_t ends = x.range.is_whole() ? 1 : 2;
+    if (x.inputs.size() != 6 + solid.used().size() + ends) return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs), measure::tape::solid_of(x.inputs, solid),
                                              measure::truth::exactly(*x.true_t), x.standing.t);
 }
 
-bool names_culprit(const Explanation& x) {
+NodeId operation_to_blame(const Explanation& x) {
     const measure::blame::Attribution& a = x.attribution;
-    if (a.subject == no_node || a.culprit == no_node || measure::blame::is_plain_miss(x.tape, a)) return false;
-    const measure::blame::OperationError& e = a[a.culprit];
-    if (!std::isfinite(x.tape[a.culprit].value)) return true;
-    if (e.contribution == 0) return false;
-    if (is_decision(x.tape[a.subject].op)) return true;
-    return x.standing.outcome == Outcome::agree_hit && x.standing.lost >= worth_saying && !rounds_little(x);
+    if (a.subject == no_node || a.culprit == no_node || measure::blame::is_plain_miss(x.tape, a)) return no_node;
+    const Outcome outcome = x.standing.outcome;
+    const bool of_decision = is_decision(x.tape[a.subject].op), lost = x.standing.lost >= worth_saying;
+    const bool overflowed = !std::isfinite(x.tape[a.culprit].value);
+    if (outcome == Outcome::unresolved || (a[a.culprit].contribution == 0 && !overflowed)) return no_node;
+    bool blamed = false;
+    if (of_decision) blamed = !x.standing.is_right();
+    else if (outcome == Outcome::agree_hit) blamed = lost && (overflowed || !rounds_little(x));
+    else if (outcome == Outcome::wrong_object && x.rounding_turned_order() && a.exact_hit)
+        blamed = std::fabs(a.error) >= std::fabs(x.missed->hit ? x.missed->t - x.missed->exact_t : HUGE_VAL);
+    else blamed = overflowed && outcome == Outcome::not_a_number;
+    return blamed ? a.culprit : no_node;
 }
 
 bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
@@ -265,13 +308,15 @@ std::string mesh_sentence(const Explanation& x) {
     }
 }
 
-std::string verdict_alone(const Explanation& x, const std::optional<MarchEnd>& march) {
-    return outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x) +
-           whose_loss(x, march) + "\n" + blame_sentence(x, march.has_value()) + "\n";
-}
+std::string Verdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
-std::string verdict_text(const Explanation& x, const std::optional<MarchEnd>& march) {
-    return verdict_alone(x, march) + better_sentence(x);
+Verdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
+    std::string answer = outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x);
+    answer.pop_back();
+    return {.answer = std::move(answer),
+            .loss = whose_loss(x, march),
+            .blame = blame_sentence(x, march.has_value()),
+            .culprit = operation_to_blame(x)};
 }
 
 }  // namespace lostbits::output::blame

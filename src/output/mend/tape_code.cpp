@@ -75,7 +75,7 @@ void TapeCode::name_all(const TapeCode* like) {
         std::string name;
         if (n.op == TapeOp::input) {
             name = inputs_.at(static_cast<std::size_t>(n.operands[0]));
-            if (name == "limit") name = "tmax";
+            if (name == "ray.tmax") name = "tmax";
             else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, words_.solid);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
             name = new_name(n, like, used);

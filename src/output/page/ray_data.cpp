@@ -74,12 +74,6 @@ Json lines_json(const std::string& text) {
     return lines;
 }
 
-std::optional<blame::MarchEnd> end_of_march(const TestedForm& row, const measure::answer::OneRay& ray) {
-    if (!row.form->log) return {};
-    return blame::MarchEnd{measure::answer::march_log(*row.form, row.format, ray),
-                           ray.inputs(*row.form, row.format).all.march.value()};
-}
-
 /// The sentences that stand above the table of `explain` and below it, and the table.
 Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<blame::MarchEnd>& march) {
     const blame::OperationWords words(x);
@@ -87,7 +81,7 @@ Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<bla
     Json json{{"x", at.x},
               {"y", at.y},
               {"why", at.why},
-              {"says", lines_json(blame::verdict_alone(x, march))},
+              {"says", lines_json(blame::verdict_of(x, march).text())},
               {"sums", lines_json(blame::sums_text(x, words))},
               {"subject", words.subject()},
               {"earlier", table.first},
@@ -133,7 +127,7 @@ Json rays_json(const EvaluationRequest& request, const TestedForm& row, const st
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
         ray.judge_by(row.judged);
         const Explanation x = measure::blame::explain_alone(*row.form, row.format, ray);
-        explained[i] = ray_json(rays[i], x, end_of_march(row, ray));
+        explained[i] = ray_json(rays[i], x, blame::end_of_march(*row.form, row.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

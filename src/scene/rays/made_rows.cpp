@@ -42,6 +42,11 @@ const Intersector& with_maker(const Maker& maker, const Intersector& form) {
 
 const Maker* maker_of(const Intersector& row) { return std::get<const Maker*>(rows().parts_of(row)); }
 
+const Intersector& beneath_maker(const Intersector& row) {
+    const auto* const form = std::get<const Intersector*>(rows().parts_of(row));
+    return form ? *form : row;
+}
+
 const Intersector& without_maker(const Intersector& row) {
     if (maker_of(row))
         throw InputError(std::string(row.info->name) +

@@ -22,6 +22,9 @@ const intersect::table::Intersector& with_maker(const camera::Maker& maker, cons
 /// Null where the scene says who makes the rays.
 const camera::Maker* maker_of(const intersect::table::Intersector& row);
 
+/// The row that the way was put behind; the row itself where none was.
+const intersect::table::Intersector& beneath_maker(const intersect::table::Intersector& row);
+
 /// The row itself, to be made part of another one. InputError where its rays are made already: the way stands last, as
 /// in `FORM^BOX@ray-WAY`.
 const intersect::table::Intersector& without_maker(const intersect::table::Intersector& row);

@@ -32,7 +32,7 @@ TEST_CASE("every culprit is among the operations of its form, and no plain miss 
         MetricSet made;
         const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
         measure::blame::Blamer blamer(form, format, culprit->categories);
-        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
+        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form));
         if (measure::blame::is_plain_miss(*blame.tape, *blame.attribution)) {
             CHECK(std::isnan(blame.culprit));
             CHECK(blame.attribution->culprit == no_node);
@@ -55,7 +55,7 @@ TEST_CASE("cancellation and contributions of labels: parts of what there is", "[
     int cancelled = 0;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
         measure::blame::Blamer blamer(form, format, {});
-        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
+        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form));
         const int worst = measure::blame::worst_cancellation(*blame.attribution);
         for (const std::string_view label : measure::blame::labels_of(form, given(s))) {
             INFO(label);

@@ -59,7 +59,7 @@ void compare_derivatives() {
 double derivative_error(const Intersector& form, const char* format, const Setting& s) {
     const Format in = *find_format(format);
     measure::blame::Blamer blamer(form, in, {}, false);
-    const auto blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
+    const auto blame = blamer.of(s.ray, s.target(form));
     return measure::metric::find_metric("derivative_error")
         ->value({.format = &in,
                  .ray = &s.ray,
