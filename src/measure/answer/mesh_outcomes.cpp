@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "measure/answer/owners.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::measure::answer {
@@ -19,11 +20,12 @@ public:
 
     [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
         const std::int32_t met = of_.answers.object[ray_];
+        if (of_.answers.claimed.empty())
+            return before == Outcome::wrong_object && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
         Outcome outcome = before;
         if (before == Outcome::false_miss && in_mesh(truly) && is_crack(truly)) outcome = Outcome::crack;
         if (before == Outcome::wrong_object && in_mesh(truly)) {
-            if (are_neighbours(truly, met))
-                outcome = cross_at_one_t(truly, met) ? Outcome::agree_hit : Outcome::wrong_neighbour;
+            if (are_neighbours(truly, met)) outcome = Outcome::wrong_neighbour;
             else if (is_crack(truly)) outcome = Outcome::crack;
             else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
         }
@@ -49,15 +51,28 @@ private:
         return false;
     }
     [[nodiscard]] bool is_crack(std::int32_t truly) const {
-        return !mesh_.has_border(face(truly)) &&
+        return (!mesh_.has_border(face(truly)) || meets_inner_edge(truly)) &&
                !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise();
+    }
+    [[nodiscard]] bool share_an_edge(std::int32_t a, std::int32_t b) const {
+        if (a == b || !in_mesh(a) || !in_mesh(b)) return false;
+        const auto& other = mesh_.faces[face(b)];
+        return std::ranges::count_if(mesh_.faces[face(a)], [&](std::uint32_t vertex) {
+                   return std::ranges::find(other, vertex) != other.end();
+               }) >= 2;
+    }
+    /// Whether the ray meets the triangle on an edge behind which the mesh goes on: the one across is met at the same
+    /// t.
+    [[nodiscard]] bool meets_inner_edge(std::int32_t truly) const {
+        const culling::CandidateLists& candidates = *of_.inputs.candidates;
+        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
+            const auto other = static_cast<std::int32_t>(candidates.solid(pair));
+            if (share_an_edge(truly, other) && meets_first(of_.band, ray_, other, of_.convention)) return true;
+        }
+        return false;
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
-    }
-    [[nodiscard]] bool cross_at_one_t(std::int32_t a, std::int32_t b) const {
-        const Truth at_a = truth_at(a), at_b = truth_at(b);
-        return at_a.is_hit() && at_b.is_hit() && compare(at_a.t, at_b.t) == 0;
     }
     [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
         const auto of_one_crossing = [&](std::int32_t s) {
@@ -101,15 +116,16 @@ private:
 }  // namespace
 
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before) {
-    const bool of_mesh = of.inputs.solids.mesh() != nullptr && !of.answers.claimed.empty();
-    return of_mesh ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
+    return of.inputs.solids.mesh() != nullptr ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
 }
 
-void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
-    if (of.inputs.solids.mesh() == nullptr || of.answers.claimed.empty()) return;
+void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
+    const bool at_mesh = of.inputs.solids.mesh() != nullptr;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-        of.inputs.stop.check();
-        if (truth.decision[i] == Truth::Decision::hit)
+        const bool elsewhere = outcomes[i] == Outcome::wrong_object;
+        if (at_mesh || elsewhere) of.inputs.stop.check();
+        if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
+        if (at_mesh && truth.decision[i] == Truth::Decision::hit)
             outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
     }
 }
