@@ -51,25 +51,8 @@ private:
         return false;
     }
     [[nodiscard]] bool is_crack(std::int32_t truly) const {
-        return (!mesh_.has_border(face(truly)) || meets_inner_edge(truly)) &&
+        return !mesh_.has_border(face(truly)) &&
                !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise();
-    }
-    [[nodiscard]] bool share_an_edge(std::int32_t a, std::int32_t b) const {
-        if (a == b || !in_mesh(a) || !in_mesh(b)) return false;
-        const auto& other = mesh_.faces[face(b)];
-        return std::ranges::count_if(mesh_.faces[face(a)], [&](std::uint32_t vertex) {
-                   return std::ranges::find(other, vertex) != other.end();
-               }) >= 2;
-    }
-    /// Whether the ray meets the triangle on an edge behind which the mesh goes on: the one across is met at the same
-    /// t.
-    [[nodiscard]] bool meets_inner_edge(std::int32_t truly) const {
-        const culling::CandidateLists& candidates = *of_.inputs.candidates;
-        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
-            const auto other = static_cast<std::int32_t>(candidates.solid(pair));
-            if (share_an_edge(truly, other) && meets_first(of_.band, ray_, other, of_.convention)) return true;
-        }
-        return false;
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);

@@ -72,25 +72,14 @@ public:
                 met.empty() ? met.end() : std::ranges::min_element(met, [](const auto& a, const auto& b) {
                     return compare(a.second.t, b.second.t) < 0;
                 });
-            const auto share_an_edge = [&](std::size_t a, std::size_t b) {
-                const auto& other = mesh.faces[b];
-                return a != b && std::ranges::count_if(mesh.faces[a], [&](std::uint32_t v) {
-                                     return std::ranges::find(other, v) != other.end();
-                                 }) >= 2;
-            };
-            // The mesh ends at one of the triangle's edges, and the ray is not on one behind which it goes on.
-            const bool ends =
-                truly != met.end() && mesh.has_border(truly->first) && std::ranges::none_of(met, [&](const auto& m) {
-                    return share_an_edge(m.first, truly->first) && compare(m.second.t, truly->second.t) == 0;
-                });
             const bool odd = claimed.size() % 2 != apart.size() % 2;
             const auto beside = [&](std::size_t a, std::size_t b) { return mesh.share_a_vertex(a, b); };
             if (outcome == Outcome::crack) {
                 REQUIRE(truly != met.end());
                 const auto near = [&](std::size_t s) { return beside(s, truly->first); };
-                wrong += std::ranges::any_of(claimed, near) || !odd || ends;
+                wrong += std::ranges::any_of(claimed, near) || !odd || mesh.has_border(truly->first);
             } else if (outcome == Outcome::false_miss) {
-                wrong += !claimed.empty() || truly == met.end() || (odd && !ends);
+                wrong += !claimed.empty() || truly == met.end() || (odd && !mesh.has_border(truly->first));
             } else if (outcome == Outcome::double_hit) {
                 const auto first = static_cast<std::size_t>(result.answers->object[i]);
                 const auto twice = [&](std::size_t s) {
