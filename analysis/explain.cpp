@@ -219,11 +219,11 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
                 "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    for (const ShapeRow& row : shape_rows)
-        command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
-                    fmt::format("For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it "
-                                "under a matrix",
-                                with_article(row.shape), option_words(row.shape)));
+    words.solids.add_to(command, [](const ShapeRow& row) {
+        return fmt::format(
+            "For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it under a matrix",
+            with_article(row.shape), option_words(row.shape));
+    });
     command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,

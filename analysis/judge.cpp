@@ -17,6 +17,7 @@
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 
@@ -81,25 +82,38 @@ std::string fallen_short(const JudgeRequest& request, const measure::evaluate::F
     return words;
 }
 
+/// What only meshes have, as a map prints it. `told`: of answers of a file only wrong neighbours are told apart.
+std::string mesh_counts(const measure::evaluate::FormSummary& s, bool told) {
+    const auto count = [&](Outcome o) { return told ? std::to_string(s.count(o)) : "-"; };
+    return fmt::format("{:>7} {:>10} {:>15} {:>12} ", count(Outcome::crack), count(Outcome::double_hit),
+                       s.count(Outcome::wrong_neighbour), count(Outcome::out_of_order));
+}
+
 void print_judged(const JudgeRequest& request, const JudgeResult& result, const std::string& by) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     std::string short_of;
     for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")})
         if (measure::metric::place_of(request.metrics, metric) < request.metrics.size())
             short_of += fmt::format(" {:>11}", title);
-    fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
-               "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
+    const std::string of_mesh = request.mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", "crack", "double hit",
+                                                           "wrong neighbour", "out of order")
+                                             : "";
+    fmt::print("  {:<28} {:<5} {:>8} {}{:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
+               of_mesh, "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
     const auto print_row = [&](const std::string& name, std::string_view format,
-                               const measure::evaluate::FormSummary& s) {
-        fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
-                   s.count(Outcome::agree_hit), s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
-                   s.count(Outcome::false_miss), s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5),
-                   lost_or_withheld(s, lost, 0.99), lost_or_withheld(s, lost, 1), fallen_short(request, s));
+                               const measure::evaluate::FormSummary& s, bool is_file) {
+        fmt::print("  {:<28} {:<5} {:>8} {}{:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
+                   s.count(Outcome::agree_hit), request.mesh ? mesh_counts(s, !is_file) : "",
+                   s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
+                   s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),
+                   lost_or_withheld(s, lost, 1), fallen_short(request, s));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
-        print_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r]);
+        const bool is_file = request.is_of_file(request.rows[r]);
+        print_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
+                  is_file);
         for (const measure::evaluate::Group& group : result.groups.all())
-            print_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r]);
+            print_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r], is_file);
     }
 }
 
@@ -170,6 +184,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     const auto scene = selection::scene_of(o, selection::data_folder(common.data));
     const auto dump = selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
     JudgeRequest request{.solids = selection::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
+    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     selection::put_under_matrices(*dump, request.solids);
     const Shapes shapes = selection::shapes_of_rays(dump->layout(), request.solids);
@@ -271,8 +286,11 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     if (const auto file = request.file_place())
         note_suspicions({request.rows[*file]}, common, [&](const measure::evaluate::TestedForm&) {
-            return measure::contract::suspicion(result.first, measure::contract::Whose::file,
-                                                result.misses_beside_first(result.summaries[*file]));
+            const std::string words = measure::contract::suspicion(result.first, measure::contract::Whose::file,
+                                                                   result.misses_beside_first(result.summaries[*file]));
+            const bool all = result.first_are_all(result.summaries[*file]);
+            return measure::contract::on_rays_of(o.file, all ? result.rays : result.first.size(), result.rays,
+                                                 "of its rays that hit or should", words);
         });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }

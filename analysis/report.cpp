@@ -216,9 +216,11 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
             work.units += scene.pixels() * fit.size();
-            std::string named = selection::name_of_scene(scene, data);
+            std::string named = selection::name_of_scene(scene, data),
+                        claimed = selection::scene_in_claims(scene, data);
             if (!o.size.empty()) named += fmt::format(" --size {}x{}", scene.width, scene.height);
-            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named)});
+            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named),
+                                 std::move(claimed)});
         }
     }
     for (const auto& path : subjects.sweeps) {

@@ -109,10 +109,9 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
         std::string step;
         for (const scene::sweep::Axis& axis : sweep.axes) {
             first.push_back(axis.values.front());
-            step += fmt::format("{}{} = {}", step.empty() ? "at " : ", ", axis.name, first.back());
+            step += fmt::format("{}{} = {}", step.empty() ? " at " : ", ", axis.name, first.back());
         }
-        const std::string words = measure::contract::suspicion(sweep.rays(first), row);
-        return words.empty() ? words : fmt::format("{}, the first step: {}", step, words);
+        return measure::contract::suspicion(sweep.rays(first), row, sweep.id + step + ", the first step");
     });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());

@@ -71,8 +71,9 @@ LOSTBITS_API int lostbits_scene_open(const char* name, const lostbits_where* whe
 LOSTBITS_API int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_scene** scene,
                                      lostbits_error* error);
 /* Takes the solids that a scene has away and gives it these: `count` solids of one shape ("sphere", "box", ...), the
- * numbers of each in the order of lb_batch.solids. A second call with another shape adds. Numbers are ideal: where the
- * scene's inputs are shared they are rounded once to binary32, as those of a file are. */
+ * numbers of each in the order of lb_batch.solids. A second call adds; `object` and `solid` of results number them from
+ * 0 in the order in which they were given, the triangles of a mesh last. Numbers are ideal: where the scene's inputs
+ * are shared they are rounded once to binary32, as those of a file are. */
 LOSTBITS_API int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
                                        lostbits_error* error);
 /* The same of a mesh: vertices count x 3, faces count x 3 places among them. */
@@ -85,7 +86,8 @@ LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* m
                                           lostbits_error* error);
 /* The rays of the scene's camera as every format gets them: a table `rays` with x, y, ox ... dz, row after row of
  * pixels; and a table a shape with the stored numbers of its solids. Where solids of the shape stand under matrices it
- * has also M00 ... M23, missing for those that do not, and `inverse`, whether these lead to the solid. */
+ * has also M00 ... M23, missing for those that do not, and `inverse`, whether these lead to the solid. `number`: which
+ * of all solids of the scene it is, from 0. */
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);
 LOSTBITS_API void lostbits_scene_free(lostbits_scene* scene);
 

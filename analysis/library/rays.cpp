@@ -9,6 +9,7 @@
 #include "measure/judge/judge.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
+#include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
 
@@ -25,8 +26,9 @@ constexpr const char* whose = "rays";
 /// The arrays as a dump, and the solids that all rays share.
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
-    std::vector<Solid<double>> solids = {};  ///< empty: each ray has its own
-    Shape shape{};                           ///< of the first
+    std::vector<Solid<double>> solids = {};                     ///< empty: each ray has its own
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
+    Shape shape{};                                              ///< of the first
 };
 
 void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
@@ -107,6 +109,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
         made.solids = scene::rays::stored_solids(rays.scene->scene, format.parameters);
+        made.mesh = scene::rays::stored_mesh(rays.scene->scene, format.parameters);
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
@@ -143,7 +146,7 @@ selection::Meets meets_of(const GivenRays& all) {
 
 std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
-    measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
+    measure::judge::JudgeRequest request{.solids = all.solids, .mesh = all.mesh, .limit = {.stop = running.stop()}};
     if (rays.by.data != nullptr) request.by = 0;
     intersect::Info contract = contract_of_arrays(rays, all.shape);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
@@ -177,7 +180,8 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         if (all.solids.empty() ? row.shape == all.shape : std::ranges::any_of(all.solids, of))
             shapes.push_back(row.shape);
     }
-    const auto summary = output::map::summary_table(request.metrics, shapes, false, request.by ? "by" : "");
+    const auto summary =
+        output::map::summary_table(request.metrics, shapes, all.mesh != nullptr, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& row : request.rows) {

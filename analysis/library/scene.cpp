@@ -111,9 +111,12 @@ void add_solids(const Scene& scene, lostbits_result& result) {
                                "of the matrix that it stands under, as it is stored"});
         if (placed)
             columns.push_back({"inverse", "boolean", "", "whether the matrix leads from the world to the solid"});
+        columns.push_back({"number", "integer", "", "of the solid among all of the scene, from 0"});
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
-        for (const Solid<double>& solid : solids) {
+        for (std::size_t i = 0; i < solids.size(); ++i) {
+            const Solid<double>& solid = solids[i];
             if (solid.shape != shape) continue;
+            table.columns.back().numbers.push_back(static_cast<double>(i));
             for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(solid.numbers[k]);
             if (placed) add_matrix(solid.placed, std::span(table.columns).subspan(numbers));
         }
@@ -178,7 +181,6 @@ int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double
         make_room(*scene);
         auto& listed = scene->scene.listed;
         listed.insert(listed.end(), solids.begin(), solids.end());
-        std::ranges::stable_sort(listed, {}, &Solid<Real>::shape);  // shape by shape, as a file has them
         return Exit::done;
     });
 }

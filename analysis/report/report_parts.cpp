@@ -144,6 +144,8 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
+    auto index = data.index(summaries, work.own_size, work.named);
+    index["claimed"] = work.claimed;
     std::vector<std::string> names;
     for (const measure::metric::Metric* m : work.metrics) names.emplace_back(m->name);
     return {.id = scene.id,
@@ -151,7 +153,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
             .note = scene.note,
             .source = scene.source,
             .rows = keys_of(work.rows),
-            .index = data.index(summaries, work.own_size, work.named),
+            .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = page::summary_table(request, summaries),
             .sheet = std::move(contacts),
@@ -163,6 +165,7 @@ SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
                                                                                            : axes_part(work, stop);
     part.json["named"] = selection::name_of_sweep(work.path, work.data);
+    part.json["claimed"] = selection::sweep_in_claims(work.path, work.data);
     return part;
 }
 

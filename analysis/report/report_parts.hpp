@@ -25,6 +25,7 @@ struct MapWork {
     std::vector<const measure::metric::Metric*> metrics;
     bool own_size = true;          ///< the scene's own, not --size
     std::string named;             ///< what names the scene to a later command, in its size
+    std::string claimed;           ///< and to a claim
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
 /// `made` keeps the metrics that are made for it; `advance` is told of units of work done.

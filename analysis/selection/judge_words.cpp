@@ -82,9 +82,9 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
                 "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
     command.add(format_option, words.format, "Format the answers were computed in (default: the file's; of a CSV f64)");
-    for (const ShapeRow& row : shape_rows)
-        command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
-                    fmt::format("The {} of all rays: {}", row.name, option_words(row.shape)));
+    words.solids.add_to(command, [](const ShapeRow& row) {
+        return fmt::format("The {} of all rays: {}", row.name, option_words(row.shape));
+    });
     for (const RayFileOption& o : ray_file_options())
         command.add(o.name, words.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
 }
@@ -113,8 +113,7 @@ std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::option
                                         const Format& format) {
     if (scene) return scene::rays::stored_solids(*scene, format.parameters);
     std::vector<Solid<double>> solids;
-    for (const Shape shape : o.solids.shapes())
-        for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_in_words(shape, text, format));
+    for (const auto& [shape, text] : o.solids.given()) solids.push_back(solid_in_words(shape, text, format));
     return solids;
 }
 

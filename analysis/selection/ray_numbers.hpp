@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "analysis/shell/command_line.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
 #include "shapes/solid.hpp"
@@ -28,12 +30,17 @@ public:
     [[nodiscard]] const std::vector<std::string>& of(Shape shape) const {
         return texts_[static_cast<std::size_t>(shape)];
     }
+    /// Declares the options.
+    void add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help);
     /// The shapes that are given, in the order of the list.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool empty() const { return shapes().empty(); }
+    /// The solids as they were given, one after the other: their numbers go from 0 in this order.
+    [[nodiscard]] std::vector<std::pair<Shape, std::string>> given() const;
 
 private:
     std::array<std::vector<std::string>, shape_rows.size()> texts_;
+    std::function<std::vector<std::size_t>()> order_ = [] { return std::vector<std::size_t>(); };
 };
 
 /// `--sphere CX,CY,CZ,R or --box LOX,…` where `numbers`, and `--sphere or --box` without.

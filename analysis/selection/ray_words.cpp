@@ -222,9 +222,8 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
 
 AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     std::vector<Solid<double>> solids;
-    for (const Shape shape : words.solids.shapes())
-        for (const std::string& text : words.solids.of(shape))
-            solids.push_back(solid_in_words(shape, text, format_of(words.as)));
+    for (const auto& [shape, text] : words.solids.given())
+        solids.push_back(solid_in_words(shape, text, format_of(words.as)));
     const bool placed = std::ranges::any_of(solids, [](const auto& solid) { return solid.placed.has_value(); });
     const auto is_for = [&given](const Solid<double>& solid) { return given.form->shapes().has(solid.shape); };
     const TestedForm row = std::ranges::all_of(solids, is_for) && placed == given.form->shapes().are_placed()

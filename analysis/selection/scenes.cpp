@@ -11,6 +11,7 @@
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
+#include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
 
@@ -57,9 +58,19 @@ std::string name_of_scene(const Scene& scene, const std::filesystem::path& data)
 }
 
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
+    return output::blame::shell_word(sweep_in_claims(path, data));
+}
+
+std::string scene_in_claims(const Scene& scene, const std::filesystem::path& data) {
+    if (scene.path.parent_path() == data / "scenes") return scene.id;
+    const std::string stem = scene.path.stem().string();
+    return scene.path.string() + (scene.id == stem ? "" : scene.id.substr(stem.size()));
+}
+
+std::string sweep_in_claims(const std::filesystem::path& path, const std::filesystem::path& data) {
     const auto inside = path.lexically_relative(data / "sweeps");
     const bool in_data = !inside.empty() && *inside.begin() != "..";
-    return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
+    return (in_data ? std::filesystem::path(inside).replace_extension() : path).string();
 }
 
 std::filesystem::path data_folder(const std::string& given) {
@@ -156,6 +167,7 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     opened.terms = {.id = opened.id,
                     .solids = solids_given(o, aimed_at, opened.dump->format()),
                     .contract = contract_of(o, *opened.dump)};
+    if (aimed_at) opened.terms.mesh = scene::rays::stored_mesh(*aimed_at, opened.dump->format().parameters);
     put_under_matrices(*opened.dump, opened.terms.solids);
     opened.shapes = shapes_of_rays(opened.dump->layout(), opened.terms.solids);
     return opened;

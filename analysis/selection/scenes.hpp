@@ -33,6 +33,9 @@ std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std
 std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
 /// The same of a sweep.
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
+/// The same as a claim names them: a variant of a file of one's own is `mine.toml.VARIANT`.
+std::string scene_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
+std::string sweep_in_claims(const std::filesystem::path& path, const std::filesystem::path& data);
 
 /// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
 /// was built in, or installed.

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "measure/answer/wrong_words.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
@@ -22,18 +23,6 @@ namespace {
 
 std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metric::find_metric("lost_bits")}; }
 
-const char* words_of(Outcome wrong) {
-    switch (wrong) {
-        case Outcome::false_hit: return "a false hit";
-        case Outcome::false_miss: return "a false miss";
-        case Outcome::wrong_object: return "a hit of the wrong solid";
-        case Outcome::crack: return "a crack in the mesh";
-        case Outcome::double_hit: return "a double hit";
-        case Outcome::out_of_order: return "two triangles out of order";
-        default: return "an answer that is not a number";
-    }
-}
-
 /// The worst ray of several summaries, by the rule of one: of the most frequent kind of wrong decision over all of them
 /// the first ray, else the largest error.
 struct WorstOfAll {
@@ -51,7 +40,7 @@ struct WorstOfAll {
         }
         any_hit = all.count(Outcome::agree_hit) > 0;
         const auto wrong = all.wrong();
-        if (wrong) why = fmt::format("{}, the first of {}", words_of(*wrong), all.count(*wrong));
+        if (wrong) why = fmt::format("{}, the first of {}", measure::answer::wrong_words(*wrong), all.count(*wrong));
         for (std::size_t i = 0; i < summaries.size(); ++i) {
             const WorstRay* const here = wrong                      ? summaries[i].first_of(*wrong)
                                          : summaries[i].worst.x < 0 ? nullptr

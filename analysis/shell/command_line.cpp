@@ -214,6 +214,17 @@ Command Command::add_group(const std::string& name, const std::string& help) con
     return {group, chosen_};
 }
 
+std::function<std::vector<std::size_t>()> Command::order_of(const std::vector<Option>& options) const {
+    return [app = app_, options] {
+        std::vector<std::size_t> places;
+        for (CLI::Option* const given : app->parse_order()) {
+            const auto found = std::ranges::find(options, Option(given));
+            if (found != options.end()) places.push_back(static_cast<std::size_t>(found - options.begin()));
+        }
+        return places;
+    };
+}
+
 void Command::runs(const std::function<Exit()>& run) const {
     app_->callback([run, chosen = chosen_] { *chosen = run; });
 }

@@ -39,6 +39,7 @@ class Option {
 public:
     explicit Option(CLI::Option* option = nullptr) : option_(option) {}
     explicit operator bool() const { return option_ != nullptr; }
+    friend bool operator==(const Option&, const Option&) = default;
 
     Option required() const;
     Option excludes(Option other) const;
@@ -84,6 +85,10 @@ public:
     Command add_command(const std::string& name, const std::string& help) const;
     /// Options of which at most one can be given.
     Command add_group(const std::string& name, const std::string& help) const;
+    /// For once the words are read: which of these options each of their values was given to, as places in the list,
+    /// in the order in which they were given.
+    [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
+
     /// What is done where this command is given.
     void runs(const std::function<Exit()>& run) const;
 

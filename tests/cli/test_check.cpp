@@ -230,4 +230,44 @@ TEST_CASE("the command of a claim writes what the claim is about") {
     CHECK(has(contents(scratch / "out/near-benign/summary.csv"), "model_error_max"));
 }
 
+TEST_CASE("a claim is about one ray of a scene, and a file of one's own and its variants are named by their path") {
+    const Scratch scratch;
+    const std::string scene =
+        "schema = \"lostbits-scene/1\"\ntitle = \"mine\"\nsize = [8, 8]\n[camera]\nkind = \"orthographic\"\n"
+        "eye = [0, 0, 4100]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nwidth = 4\n[[sphere]]\ncentre = [0, 0, 0]\n"
+        "radius = 1\n";
+    scratch.write("mine.toml", scene);
+    scratch.write("two.toml", scene +
+                                  "[[variant]]\nname = \"far\"\nset = { \"sphere[0].radius\" = 1 }\n"
+                                  "[[variant]]\nname = \"wide\"\nset = { \"sphere[0].radius\" = 4 }\n");
+    must("map mine.toml -i sphere.schoolbook -f f32 --pixels csv" + into(scratch), scratch.path());
+    std::vector<ClaimText> claims;
+    std::size_t hits = 0;
+    for (const auto& pixel : read_csv(scratch / "out/mine/sphere.schoolbook.f32.csv")) {
+        const std::string at = "pixel = [" + pixel.at("x") + ", " + pixel.at("y") + "]\n",
+                          id = pixel.at("x") + "-" + pixel.at("y"), &outcome = pixel.at("outcome");
+        const std::string given = "scene = \"mine.toml\"\n" + at + tested("sphere.schoolbook");
+        claims.push_back({id, given, metric_in(outcome, "[1, 1]")});
+        if (outcome != "agree_hit") continue;
+        ++hits;
+        const std::string lost = pixel.at("lost_bits");
+        claims.push_back({id + "-bits", given, metric_in("lost_bits_max", "[" + lost + ", " + lost + "]")});
+    }
+    CHECK(hits > 3);
+    CHECK(claims.size() == 64 + hits);
+    claims.push_back(
+        {"wide", "scene = \"two.toml.wide\"\n" + tested("sphere.unified"), metric_in("agree_hit", "[64, 64]")});
+    scratch.write("claims.toml", claims_of(claims));
+    must("check claims.toml", scratch.path());
+    // Beside the claims, from anywhere.
+    must("check '" + (scratch / "claims.toml").string() + "'", "/");
+    const std::string one = "scene = \"mine.toml\"\npixel = ";
+    check_refused_claims(
+        scratch, {{one + "[8, 0]\n" + tested("sphere.unified"), metric_in("agree_hit"), "columns 0 to 7"},
+                  {one + "[0, -1]\n" + tested("sphere.unified"), metric_in("agree_hit"), "pixel[1]"},
+                  {one + "[0, 0]\nstep = 1\n" + tested("sphere.unified"), metric_in("agree_hit"), "beside step"},
+                  {"sweep = \"sphere-distance\"\nat = 4\npixel = [0, 0]\n" + tested("sphere.unified"),
+                   metric_in("agree_hit"), "needs a scene"}});
+}
+
 }  // namespace test_check

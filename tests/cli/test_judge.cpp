@@ -208,12 +208,68 @@ TEST_CASE("what judge suspects is said in words of files") {
     CHECK(has(judged(rows(inside, [](int i) { return 1.5 - i / 64.0; }), "--box=-1,-1,-1,1,1,1"), "say --inside exit"));
     CHECK(has(judged(rows(inside, [](int i) { return 0.5 + i / 64.0; }), sphere), "without its sign"));
     CHECK(has(judged(rows(outside, [](int i) { return i % 7 + 0.25; }), sphere),
-              "wrong on 40 of the 40 rays that hit or should: 40 have a t"));
+              "rays.csv: wrong on 40 of the 40 rays that hit or should: 40 have a t"));
+    std::string many = rows(outside, [](int i) { return i % 7 + 0.25; }), all;
+    CHECK(has(judged(many, sphere), "file.rays f32: on all 40 rays of "));
+    for (int i = 0; i < 125; ++i) all += many;
+    const std::string sampled = judged(all + "0,5,-9,0,0,1,0,0\n", sphere);
+    CHECK(has(sampled, "file.rays f32: on a sample of "));
+    CHECK(has(sampled, "the first 4096 of its rays that hit or should: wrong on 4096 of the 4096 rays"));
     CHECK(has(judged(rows([](int i) { return 5.0 + i; }, [](int i) { return -6.0 - i; }), sphere), "--miss negative"));
     std::string overflows;  // t* = 2^136 - 2^130, for which f32 has infinity alone
     for (int i = 0; i < 40; ++i) overflows += "0,0,0,0,0,0.0009765625,1,inf\n";
     CHECK(judged(overflows, "--sphere 0,0,0x1p126,0x1p120").empty());
     CHECK(has(judged(overflows, "--sphere 0,0,0x1p100,0x1p90"), "40 have a t that is not a finite number"));
+}
+
+TEST_CASE("primitives have the numbers in which they are written, whatever their kinds") {
+    const Scratch scratch;
+    // The sphere is met at 3, the box at 7: only the number of the former is right.
+    const std::string file =
+        scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,9,0,0,-1,1,3,0\n0,0,9,0,0,-1,1,3,1\n");
+    const std::string box = " --box=-1,-1,-1,1,1,2", sphere = " --sphere=0,0,4,2";
+    const auto outcomes = [&](const std::string& solids) {
+        must("judge '" + file + "' --format f64 --rows" + solids + into(scratch));
+        std::vector<std::string> found;
+        for (const auto& row : read_csv(scratch / "out/rays/file.rays.f64.csv")) found.push_back(row.at("outcome"));
+        return found;
+    };
+    const std::vector<std::string> first{"agree_hit", "wrong_object"}, second{"wrong_object", "agree_hit"};
+    CHECK(outcomes(sphere + box) == first);
+    CHECK(outcomes(box + sphere) == second);
+    const std::string camera =
+        "schema = \"lostbits-scene/1\"\ntitle = \"two\"\nsize = [1, 1]\n[camera]\nkind = \"orthographic\"\n"
+        "eye = [0, 0, 9]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nwidth = 1\n";
+    const std::string of_box = "[[box]]\nlo = [-1, -1, -1]\nhi = [1, 1, 2]\n",
+                      of_sphere = "[[sphere]]\ncentre = [0, 0, 4]\nradius = 2\n";
+    for (const bool box_first : {true, false}) {
+        const std::string scene =
+            scratch.write("two.toml", camera + (box_first ? of_box + of_sphere : of_sphere + of_box));
+        CHECK(outcomes(" --scene '" + scene + "'") == (box_first ? second : first));
+        must("map '" + scene + "' -i sphere.unified+box.signs -f f64 --pixels csv" + into(scratch));
+        const auto pixels = read_csv(scratch / "out/two/sphere.unified+box.signs.f64.csv");
+        CHECK(pixels.at(0).at("truth_object") == (box_first ? "1" : "0"));
+    }
+}
+
+TEST_CASE("one form has one set of outcomes at a mesh, judged and mapped") {
+    const Scratch scratch;
+    scratch.write("quad.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+    const std::string scene = scratch.write(
+        "quad.toml",
+        "schema = \"lostbits-scene/1\"\ntitle = \"quad\"\nsize = [1, 1]\n[camera]\nkind = \"orthographic\"\n"
+        "eye = [0, 0, 4]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nwidth = 1\n[[mesh]]\nfile = \"quad.obj\"\n");
+    const std::string file =
+        scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,4,0,0,-1,1,4,0\n0,0,4,0,0,-1,1,4,1\n");
+    const auto r =
+        must("judge '" + file + "' --format f32 --scene '" + scene + "' -i triangle.woop --rows" + into(scratch));
+    CHECK(has(r.out, "double hit"));
+    must("map '" + scene + "' -i triangle.woop -f f32 --pixels csv" + into(scratch));
+    const std::string mapped = read_csv(scratch / "out/quad/triangle.woop.f32.csv").at(0).at("outcome");
+    CHECK(mapped == "double_hit");
+    for (const auto& row : read_csv(scratch / "out/rays/triangle.woop.f32.csv")) CHECK(row.at("outcome") == mapped);
+    // Of the file nobody knows what else it claims; both triangles own the hit.
+    for (const auto& row : read_csv(scratch / "out/rays/file.rays.f32.csv")) CHECK(row.at("outcome") == "agree_hit");
 }
 
 }  // namespace test_judge

@@ -111,6 +111,9 @@ Files rays_and_tables() {
                       table = "form,ulp_error\npress,";
     return {{"rays.csv", head + good},
             {"word.csv", head + good + "0,0,-5,0,0,1,1,x\n"},
+            {"third.csv",
+             "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,-5,0,0,1,1,4,0\n0,0,-5,0,0,1,1,4,-1\n"
+             "0,0,-5,0,0,1,1,4,77\n"},
             {"cells.csv", head + good + "0,0,-5,0,0,1\n"},
             {"head.csv", head},
             {"bare.csv", bare + "\n0,0,-5,0,0,1\n"},

@@ -279,17 +279,23 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
     const auto map = [&](const std::string& form, const std::string& scene) {
         return run("map " + scene + " --size 48x32 -f f32 -o out -i " + form + odd, folder.path()).err;
     };
-    CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: wrong on "));
+    CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: on all 1536 rays of camera-inside: wrong on "));
     CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "taken for its square"));
     CHECK(has(map("odd.far_first", "near-benign"), "far root"));
-    CHECK(has(map("odd.forgetful", "near-benign"), "odd.forgetful f32: wrong on "));  // a number for each call
+    CHECK(has(map("odd.forgetful", "near-benign"),
+              "odd.forgetful f32: on all 1536 rays of near-benign: wrong on "));  // a number for each call
     for (const std::string form : {"odd.right", "odd.first", "odd.predicate", "odd.unit"}) {
         INFO(form);
         CHECK(map(form, "camera-inside").empty());
         CHECK(map(form, "near-benign").empty());
     }
     const Outcome sweep = run("sweep sphere-distance -i odd.far_first -f f32 -o out" + odd, folder.path());
-    CHECK(has(sweep.err, "odd.far_first f32: at distance_radii = 1.25, the first step: wrong on "));
+    CHECK(has(sweep.err,
+              "odd.far_first f32: on all 1024 rays of sphere-distance at distance_radii = 1.25, the first "
+              "step: wrong on "));
+    // A small picture stands for a large one, and the line says so.
+    const Outcome large = run("map near-benign --size 256x128 -f f32 -o out -i odd.far_first" + odd, folder.path());
+    CHECK(has(large.err, "on a sample of near-benign, a picture of 64x32 with 2048 rays: wrong on "));
     CHECK(has(sweep.err, "far root"));
     const Outcome quiet = run("map near-benign -q --size 48x32 -f f32 -o out -i odd.far_first" + odd, folder.path());
     CHECK(quiet.err.empty());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "measure/answer/owners.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::measure::answer {
@@ -19,11 +20,12 @@ public:
 
     [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
         const std::int32_t met = of_.answers.object[ray_];
+        if (of_.answers.claimed.empty())
+            return before == Outcome::wrong_object && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
         Outcome outcome = before;
         if (before == Outcome::false_miss && in_mesh(truly) && is_crack(truly)) outcome = Outcome::crack;
         if (before == Outcome::wrong_object && in_mesh(truly)) {
-            if (are_neighbours(truly, met))
-                outcome = cross_at_one_t(truly, met) ? Outcome::agree_hit : Outcome::wrong_neighbour;
+            if (are_neighbours(truly, met)) outcome = Outcome::wrong_neighbour;
             else if (is_crack(truly)) outcome = Outcome::crack;
             else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
         }
@@ -54,10 +56,6 @@ private:
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
-    }
-    [[nodiscard]] bool cross_at_one_t(std::int32_t a, std::int32_t b) const {
-        const Truth at_a = truth_at(a), at_b = truth_at(b);
-        return at_a.is_hit() && at_b.is_hit() && compare(at_a.t, at_b.t) == 0;
     }
     [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
         const auto of_one_crossing = [&](std::int32_t s) {
@@ -101,15 +99,16 @@ private:
 }  // namespace
 
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before) {
-    const bool of_mesh = of.inputs.solids.mesh() != nullptr && !of.answers.claimed.empty();
-    return of_mesh ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
+    return of.inputs.solids.mesh() != nullptr ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
 }
 
-void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
-    if (of.inputs.solids.mesh() == nullptr || of.answers.claimed.empty()) return;
+void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
+    const bool at_mesh = of.inputs.solids.mesh() != nullptr;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-        of.inputs.stop.check();
-        if (truth.decision[i] == Truth::Decision::hit)
+        const bool elsewhere = outcomes[i] == Outcome::wrong_object;
+        if (at_mesh || elsewhere) of.inputs.stop.check();
+        if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
+        if (at_mesh && truth.decision[i] == Truth::Decision::hit)
             outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
     }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/answer/mesh_outcomes.hpp"
+#include "measure/answer/owners.hpp"
 #include "measure/truth/band.hpp"
 #include "scene/file/scene.hpp"
 
@@ -61,6 +62,10 @@ public:
         return found.is_hit()
                    ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object, before)
                    : before;
+    }
+    /// Whether that primitive is among those that the ray truly meets first.
+    [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {
+        return answer::meets_first(*band_, index_, primitive, convention(info));
     }
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] truth::Certified true_t(const intersect::Info& info) const;

@@ -10,6 +10,7 @@
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/answer/owners.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/range_on_tape.hpp"
@@ -290,9 +291,11 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
-    x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
-    x.shape = in.all.solids[static_cast<std::size_t>(x.solid)].shape;
-    const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
+    const std::size_t solid =
+        answer::measured_at(in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+    x.solid = static_cast<int>(solid);
+    x.shape = in.all.solids[solid].shape;
+    const FormatInputs::AimedAt aim = in.all.target_for(form, solid);
     const intersect::Target<double> target = aim;
     x.range = in.all.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
@@ -326,7 +329,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     }
     const int met = answers.object[in.index];
     const bool elsewhere =
-        x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
+        x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && !ray.meets_first(met, *form.info);
     if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, ray.recorded_ray(format), truth.object);
     if (elsewhere) {  // between two solids there is a distance, and no error
         x.standing.outcome = answer::Outcome::wrong_object;

@@ -47,6 +47,7 @@ Worth worth_of(const evaluate::FormSummary& s, const TestedForm& row, const Wish
     return {.rays = s.rays - s.count(answer::Outcome::unresolved),
             .wrong = s.wrong_count(),
             .first = s.wrong(),
+            .of_first = s.wrong() ? s.count(*s.wrong()) : 0,
             .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(wish.quantile),
             .hits = s.true_hits,
             .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};

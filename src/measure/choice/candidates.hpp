@@ -37,6 +37,7 @@ struct Worth {
     std::uint64_t rays = 0;                  ///< whose truth is known
     std::uint64_t wrong = 0;                 ///< of these, decided wrongly
     std::optional<answer::Outcome> first{};  ///< the most frequent way
+    std::uint64_t of_first = 0;              ///< so many in that way
     double kept_bits = 0;    ///< p − lost bits, at the wish's quantile of the agreed hits; NaN where none is agreed
     std::uint64_t hits = 0;  ///< rays that truly hit
     double off = truth::missing;  ///< `distance_error` at the same quantile; NaN where the wish has no tolerance

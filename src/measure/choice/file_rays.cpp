@@ -49,8 +49,11 @@ private:
 }  // namespace
 
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
-    judge::JudgeRequest asked{
-        .solids = terms.solids, .rows = request.rows, .metrics = request.wish.metrics(), .limit = request.limit};
+    judge::JudgeRequest asked{.solids = terms.solids,
+                              .mesh = terms.mesh,
+                              .rows = request.rows,
+                              .metrics = request.wish.metrics(),
+                              .limit = request.limit};
     asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;

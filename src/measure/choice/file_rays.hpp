@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,9 +33,10 @@ struct FileRays {
 
 /// What the command line says of the files, beside their columns.
 struct FileTerms {
-    std::string id;                          ///< what results are called
-    std::vector<Solid<double>> solids = {};  ///< of all rays; empty: each has its own
-    intersect::Info contract{};              ///< of the answers
+    std::string id;                                             ///< what results are called
+    std::vector<Solid<double>> solids = {};                     ///< of all rays; empty: each has its own
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
+    intersect::Info contract{};                                 ///< of the answers
     /// With the bytes of the files that are done since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };

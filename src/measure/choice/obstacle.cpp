@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "measure/answer/owners.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
@@ -31,7 +32,8 @@ Worth exact_worth(const Band& meant, const Band& stored, const TestedForm& row, 
         if (is.decision == unresolved || should_be.decision == unresolved) continue;
         ++worth.rays;
         worth.hits += should_be.is_hit() ? 1 : 0;
-        if (is.decision != should_be.decision || is.object != should_be.object) {
+        if (is.decision != should_be.decision ||
+            (is.is_hit() && !answer::meets_first(meant, i, is.object, row.convention()))) {
             ++worth.wrong;
         } else if (is.is_hit()) {
             const auto& [x, y] = unit ? std::pair(is.distance, should_be.distance) : std::pair(is.t, should_be.t);

@@ -1,12 +1,17 @@
 // Claims about scenes: mapped, marched through, or rendered.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 
 #include "measure/answer/one_ray.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "measure/picture/render.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -38,6 +43,27 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
                           "unknown metric \"" + claim.metric +
                               "\"; a step has t, x, y, z, length and d, and a march has steps, hit and end");
     return found->second;
+}
+
+/// What a map has of the pixel that a claim is about, as if it had no other.
+evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& row,
+                                       const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
+    const auto [x, y] = *claim.on<SceneSubject>()->pixel;
+    if (x >= scene.width || y >= scene.height)
+        scene::toml::fail(claim.where,
+                          fmt::format("pixel [{}, {}] is outside of the picture of {}, which has columns 0 "
+                                      "to {} and rows 0 to {}",
+                                      x, y, scene.id, scene.width - 1, scene.height - 1));
+    const auto* const maker = scene::rays::maker_of(*row.form);
+    const scene::file::Scene made = maker ? with_rays(scene, *maker) : scene;
+    culling::Culler culler(made);
+    truth::Band line(made, y, y + 1, limit, &culler);
+    const evaluate::BandOfRows shared(line, {row}, metrics);
+    evaluate::FormSummary of_line(metrics), of_pixel(metrics);
+    const auto place = static_cast<std::uint32_t>(x);
+    const evaluate::BandPart part{std::span(&place, 1), &of_pixel};
+    evaluate::measure_row({row, metrics}, shared.of(row), of_line, std::span(&part, 1));
+    return of_pixel;
 }
 
 /// What a picture can be made by.
@@ -72,10 +98,16 @@ void measure(const ClaimsOn<SceneSubject>& claims, const ClaimRequest& run) {
     const SettingOf setting(scene);
     const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
-    const auto summaries = evaluate::evaluate_rows(request, {});
+    const auto whole = [](const auto& asked) { return !asked.on.pixel; };
+    const auto summaries = std::ranges::any_of(pictures, whole) ? evaluate::evaluate_rows(request, {})
+                                                                : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, on, result] = pictures[k];
-        result = judge(claim, columns.value(claim, summaries[rows[k]]), &summaries[rows[k]]);
+        const TestedForm& row = request.rows[rows[k]];
+        const evaluate::FormSummary one =
+            on.pixel ? summary_of_pixel(claim, scene, row, request.metrics, request.limit) : evaluate::FormSummary();
+        const evaluate::FormSummary& summary = on.pixel ? one : summaries[rows[k]];
+        result = judge(claim, columns.value(claim, summary), &summary);
     }
 }
 

@@ -39,8 +39,14 @@ enum class Whose : std::uint8_t { intersector, file };
 /// `more_misses`: rays that are rightly missed, beside those in `rays`.
 std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
 
-/// The same of a row on a small picture of a scene, or on the rays of a step of a sweep.
+/// The same of a row on a small picture of a scene, or on the first rays of a step of a sweep, of which `where` is the
+/// name. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row);
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
+                      const std::string& where);
+/// Puts that in front of what is suspected, if anything is: of `all` rays so many were `counted`, which are the first
+/// `which`.
+std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
+                       const std::string& suspicion);
 
 }  // namespace lostbits::measure::contract

@@ -1,10 +1,14 @@
 // What rows of the table answer, for suspicion.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "measure/answer/owners.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::contract {
 namespace {
@@ -19,9 +23,9 @@ void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
-                              answers.hit[i] != 0, answers.t[i], row.format.parameters));
+        const std::size_t solid = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[solid], truth, unit, answers.hit[i] != 0,
+                              answers.t[i], row.format.parameters));
     }
 }
 
@@ -40,21 +44,38 @@ Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::T
     return j;
 }
 
+std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
+                       const std::string& suspicion) {
+    if (suspicion.empty()) return "";
+    const std::string rays = counted >= all
+                                 ? fmt::format("on all {} of {}: ", scene::toml::counted(all, "ray"), where)
+                                 : fmt::format("on a sample of {}, the first {} {}: ", where, counted, which);
+    return rays + suspicion;
+}
+
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row) {
     const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small);
     std::vector<Judged> rays;
     judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
-    return suspicion(rays);
+    const std::string words = suspicion(rays);
+    if (words.empty() || small.pixels() == scene.pixels())
+        return on_rays_of(scene.id, small.pixels(), small.pixels(), "", words);
+    return fmt::format("on a sample of {}, a picture of {}x{} with {} rays: {}", scene.id, small.width, small.height,
+                       small.pixels(), words);
 }
 
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row) {
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
+                      const std::string& where) {
     std::vector<Judged> rays;
+    std::uint64_t all = 0, counted = 0;
     for (scene::rays::RayGroup& group : groups) {
-        if (rays.size() >= most_rays) break;
+        all += group.rays.size();
+        if (rays.size() >= most_rays) continue;
+        counted += std::min(group.rays.size(), most_rays - rays.size());
         judge(truth::Band(std::move(group)), row, rays);
     }
-    return suspicion(rays);
+    return on_rays_of(where, counted, all, "of its rays", suspicion(rays));
 }
 
 }  // namespace lostbits::measure::contract

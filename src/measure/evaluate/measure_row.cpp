@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "measure/answer/against.hpp"
+#include "measure/answer/owners.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/evaluate/row_parts.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -142,8 +143,7 @@ private:
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
             if (every) measure_own_words(i, ray, of_every);
             if (faults && fault) {
-                const bool hit = result_.answers->hit[i] != 0;
-                const Blame blame = blame_of(i, hit ? result_.answers->object[i] : truth_.object[i]);
+                const Blame blame = blame_of(i);
                 Sample sample = plain_sample_of(i, ray);
                 sample.blame = &blame;
                 take(i, sample, of_blamed);
@@ -167,10 +167,10 @@ private:
         take(i, sample, which);
     }
 
-    /// The solid that the form hits or, failing that, that is truly hit, or else the first.
+    /// The primitive that the form hits or, failing that, that is truly hit; of a miss as `measured_at` has it.
     [[nodiscard]] std::size_t asked_of(std::size_t i) const {
-        const std::int32_t object = result_.answers->hit[i] != 0 ? result_.answers->object[i] : truth_.object[i];
-        return static_cast<std::size_t>(std::max(0, object));
+        const bool hit = result_.answers->hit[i] != 0;
+        return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
     }
 
     template <class Which>
@@ -193,10 +193,9 @@ private:
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self)
-            self = answer::without_rounding(*row_.form, ray,
-                                            in.target_for(*row_.form, static_cast<std::size_t>(truth_.object[i])));
+            self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
         if (self) sample.self = &*self;
-        const Blame blame = blame_of(i, result_.answers->object[i]);
+        const Blame blame = blame_of(i);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
         const unsigned others = needs_ & ~unsigned{metric::needs_way | metric::needs_levels};
         const OwnWords own_words(row_, others, in, ray, i, asked_of(i), -1);
@@ -204,12 +203,13 @@ private:
         take(i, sample, which);
     }
 
-    Blame blame_of(std::size_t i, std::int32_t object) {
+    /// Of the operations on the primitive that the ray is asked of.
+    Blame blame_of(std::size_t i) {
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))),
-                          rays.range(i), result_.band->recorded_ray(i, row_.format));
+        return blamer_.of(rays[i], in.target_for(*row_.form, asked_of(i)), rays.range(i),
+                          result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }

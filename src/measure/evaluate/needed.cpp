@@ -8,6 +8,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
+#include "measure/answer/owners.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -50,8 +51,10 @@ void step(Scan& scan, const intersect::table::Intersector& form, const FormatInp
     std::size_t kept = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
+        const bool elsewhere =
+            tells && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
         if (suffices(result.truth(i), *form.info, width,
-                     {answers.hit[k] != 0, answers.t[k], tells ? answers.object[k] : -1}, bits))
+                     {answers.hit[k] != 0, answers.t[k], elsewhere ? answers.object[k] : -1}, bits))
             scan.pixels[kept++] = i;
         else result.needed[i] = width == most_width ? needed_beyond : width + 1;
     }

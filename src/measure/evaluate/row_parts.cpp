@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "measure/answer/owners.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::evaluate {
@@ -28,7 +29,7 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
     }
-    if (tells_t) take_meshes_apart(of, truth, out.outcomes);
+    if (tells_t) take_apart(of, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
         measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }
@@ -126,6 +127,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.object;
+    const std::size_t solid = answer::measured_at(*result_.inputs, i, object);
     // The place of the band's first ray among all.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
@@ -134,7 +136,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
                .object = result_.inputs->paired && object >= 0 ? first + object : object,
                .size = 0,
                .ray = result_.inputs->rays[i],
-               .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
+               .solid = result_.inputs->solids[solid],
                .t = hit && tells_t ? result_.answers->t[i] : missing,
                .outcome = outcome,
                .judged = row_.judged};

@@ -11,6 +11,7 @@
 #include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/union_field.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
@@ -35,6 +36,7 @@ struct Piece {
     Records records;
     std::exception_ptr fault = {};  ///< of the reading: it is thrown in the order of the file
     Chunk chunk = {};
+    std::unique_ptr<culling::Culler> culler = {};  ///< of a mesh
     std::unique_ptr<Band> band = {};
     std::optional<evaluate::BandOfRows> shared = {};
     answer::Answers answers = {};
@@ -65,6 +67,8 @@ public:
         : dump_(dump), request_(request), show_(show), file_(request.file_place()) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
+        const bool each_its_own = dump.layout().solid() || dump.layout().has_matrix();
+        if (!each_its_own) dump.number_primitives(request.solids.size());
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
@@ -138,11 +142,20 @@ private:
         group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(rows ? n / width : 1);
         group.paired = !chunk.solids.empty();
-        group.solids = group.paired ? chunk.solids : request_.solids;
+        if (group.paired) group.solids = chunk.solids;
+        else put_solids(group);
         group.march = request_.march;
-        piece.band = std::make_unique<Band>(std::move(group), request_.limit);
+        if (group.mesh) piece.culler = std::make_unique<culling::Culler>(scene::rays::solid_list_of(group), group.rays);
+        piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
         piece.shared.emplace(*piece.band, request_.rows, request_.metrics);
         if (file_) piece.answers = answers_of(piece);
+    }
+
+    /// The solids of all rays, a mesh as such: only of one there are cracks and double hits.
+    void put_solids(RayGroup& group) const {
+        const std::size_t triangles = request_.mesh ? request_.mesh->size() : 0;
+        group.solids.assign(request_.solids.begin(), request_.solids.end() - static_cast<std::ptrdiff_t>(triangles));
+        group.mesh = request_.mesh;
     }
 
     [[nodiscard]] answer::Answers answers_of(const Piece& piece) const {
@@ -163,9 +176,7 @@ private:
         const Chunk& chunk = piece.chunk;
         if (!chunk.solids.empty()) return static_cast<std::int32_t>(i);
         if (request_.solids.size() == 1) return 0;
-        if (!chunk.object.empty() && chunk.object[i] >= 0 &&
-            static_cast<std::size_t>(chunk.object[i]) < request_.solids.size())
-            return chunk.object[i];
+        if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
         const truth::Truth& truth = piece.band->truth(i, file_row().convention());
         if (truth.is_hit()) return truth.object;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
@@ -281,6 +292,11 @@ std::optional<std::size_t> JudgeRequest::file_place() const {
 std::uint64_t JudgeResult::misses_beside_first(const evaluate::FormSummary& file) const {
     const std::uint64_t misses = file.count(answer::Outcome::agree_miss);
     return rays > misses ? misses * first.size() / (rays - misses) : misses;
+}
+
+bool JudgeResult::first_are_all(const evaluate::FormSummary& file) const {
+    const std::uint64_t right_misses = file.count(answer::Outcome::agree_miss);
+    return first.size() + right_misses + file.count(answer::Outcome::unresolved) >= rays;
 }
 
 std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/groups.hpp"
 #include "scene/dump/dump.hpp"
+#include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -32,6 +34,7 @@ private:
 
 struct JudgeRequest {
     std::vector<Solid<double>> solids = {};  ///< of all rays, numbers of the dump's format; empty: each has its own
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< of the row of the file's answers; null: it has none
@@ -74,6 +77,8 @@ struct JudgeResult {
     void append(JudgeResult&& after);
     /// So many rays the file rightly misses, by its summary, for as many as `first` holds.
     [[nodiscard]] std::uint64_t misses_beside_first(const evaluate::FormSummary& file) const;
+    /// Whether `first` has every ray that the file, of this summary, or the truth has a hit on.
+    [[nodiscard]] bool first_are_all(const evaluate::FormSummary& file) const;
 };
 
 /// In how many pieces the file is measured: they are cut by the request's picture and the file alone. Reads it to its

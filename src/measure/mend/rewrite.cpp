@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "measure/answer/owners.hpp"
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/rerun.hpp"
 #include "measure/choice/candidates.hpp"
@@ -187,7 +188,7 @@ RaySample::RaySample(const MendRequest& request, int rays) {
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, row.convention());
-        const std::size_t solid = inputs.paired ? i : truth.is_hit() ? static_cast<std::size_t>(truth.object) : 0;
+        const std::size_t solid = answer::measured_at(inputs, i, truth.object);
         inputs_.push_back(tape::inputs_of(own[i], inputs.solids[solid], band.range(i).tmax));
         exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
     }

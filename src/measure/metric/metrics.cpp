@@ -137,13 +137,13 @@ constexpr Metric table[] = {
     tabled(
         {"decision", "", "bound.decision"},
         "whether the form's own running bounds prove its hit or miss, for the solid that it hits, or truly is hit, or "
-        "else the first",
+        "else the ray's own, or the first of several",
         decision,
         {.needs = needs_bound, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::decision_names}),
     tabled(
         {"arithmetic", "", "bound.arithmetic"},
         "the arithmetic in which a form that filters settled the ray, with the solid that it hits, or truly is hit, or "
-        "else the first: its own, the next wider one of one word, two words, exact sums",
+        "else the ray's own, or the first of several: its own, the next wider one of one word, two words, exact sums",
         arithmetic,
         {.needs = needs_way, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::way_names}),
     tabled(

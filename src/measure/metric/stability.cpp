@@ -87,7 +87,7 @@ constexpr Metric rows_of_stability[] = {
         {"decision_margin", "u", "stability.margin"},
         "the least relative change of every number of the ray and the solid, as the format holds them, that turns hit "
         "or miss or which root is met, in u = 2^-p: a proved lower bound; of the solid that the form hits, or truly is "
-        "hit, or else the first",
+        "hit, or else the ray's own, or the first of several",
         decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
     tabled(
         {"wrong_decision", "", "stability.wrong"},

@@ -6,6 +6,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/answer/owners.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "number/error.hpp"
 
@@ -77,8 +78,7 @@ private:
     }
     [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
-        const Truth truth = truth_.truth(i, row_.row.convention());
-        return truth.is_hit() && truth.object == answers_.object[i];
+        return answer::meets_first(truth_, i, answers_.object[i], row_.row.convention());
     }
     [[nodiscard]] MetPoint met(std::size_t i) const {
         return {inputs_.rays_for(*row_.row.form->info)[i], answers_.t[i], static_cast<std::size_t>(answers_.object[i])};

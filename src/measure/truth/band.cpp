@@ -8,6 +8,7 @@
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/stored_mesh.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -23,7 +24,7 @@ namespace {
 
 /// Whether binary32 holds every number of the group. A NaN is one in any format.
 bool fits_binary32(const scene::rays::RayGroup& group) {
-    bool fits = true;
+    bool fits = !group.mesh || scene::rays::fits_binary32(*group.mesh);
     const auto look = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;

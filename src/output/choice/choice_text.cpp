@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/answer/wrong_words.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
@@ -93,10 +94,12 @@ std::string times(double factor) { return fmt::format("{:.2f} times", factor); }
 
 std::string broken_by(const Room& room, const Wish& wish, int precision) {
     if (!room.broken.decides(wish)) {
-        std::string outcome(
-            room.broken.first ? measure::answer::outcome_names[static_cast<std::size_t>(*room.broken.first)] : "");
-        std::ranges::replace(outcome, '_', ' ');
-        return fmt::format("{} ({} of {})", outcome, room.broken.wrong, scene::toml::counted(room.broken.rays, "ray"));
+        const std::string_view first = measure::answer::wrong_words(room.broken.first.value());
+        const std::string rays = scene::toml::counted(room.broken.rays, "ray");
+        if (room.broken.of_first == room.broken.wrong)
+            return fmt::format("{} ({} of {})", first, room.broken.wrong, rays);
+        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", room.broken.wrong, rays,
+                           room.broken.of_first, first);
     }
     return std::isnan(room.broken.kept_bits) ? "no hit that form and truth agree on"
                                              : "keeping " + kept(room.broken, precision, wish);

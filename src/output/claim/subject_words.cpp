@@ -50,6 +50,10 @@ std::string checked(const Claim& c, const char* options, const char* more) {
 }
 
 KindWords words(const Claim& c, const SceneSubject& on) {
+    if (on.pixel)
+        return {.command = fmt::format("lostbits explain {} --pixel {},{} -i {} -f {}", shell_word(on.name),
+                                       on.pixel->first, on.pixel->second, c.form, c.format),
+                .place = fmt::format("pixel {}, {}", on.pixel->first, on.pixel->second)};
     if (!on.step) return {asked(c, "map", "", metric_option(c))};
     return {
         .command = fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(on.name), c.form, c.format),

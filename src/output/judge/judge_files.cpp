@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <span>
 
 #include "measure/judge/worst_rays.hpp"
 #include "output/blame/explain_command.hpp"
@@ -26,7 +27,7 @@ namespace slot = scene::dump::slot;
 
 namespace {
 
-/// What a map asks of its scene: a name, a size, and the shapes of its solids.
+/// What a map asks of its scene: a name, a size, the shapes of its solids, and whether it has a mesh.
 scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
@@ -34,7 +35,10 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
     if (dump.layout().solid()) scene.listed.emplace_back(*dump.layout().solid());
-    for (const Solid<double>& solid : request.solids) scene.listed.emplace_back(solid.shape);
+    const std::size_t triangles = request.mesh ? request.mesh->size() : 0;
+    for (const Solid<double>& solid : std::span(request.solids).first(request.solids.size() - triangles))
+        scene.listed.emplace_back(solid.shape);
+    if (request.mesh) scene.mesh = {request.mesh, &request.mesh->mesh()};
     return scene;
 }
 

@@ -46,7 +46,8 @@ std::optional<Place> place_in(const SceneSubject& on, const Claim& c, const Clai
     const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c)
                                     : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
-    if (part->own_size && on.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
+    if (part->own_size && on.pixel) view += fmt::format("&x={}&y={}", on.pixel->first, on.pixel->second);
+    else if (part->own_size && on.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
     return Place{"scene-" + on.name, view, drawn};
 }

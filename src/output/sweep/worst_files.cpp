@@ -56,13 +56,14 @@ std::string head_of_cases(const std::string& title, const std::string& source) {
 }
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
-    std::string solids;
-    for (const ShapeRow& row : shape_rows) {
-        std::string of_shape;
-        for (const Solid<double>& solid : one.solids)
-            if (solid.shape == row.shape) of_shape += (of_shape.empty() ? "" : ", ") + solid_text(solid);
-        if (!of_shape.empty()) solids += fmt::format("{} = [{}]\n", row.plural, of_shape);
+    std::vector<std::pair<Shape, std::string>> lists;  // a shape where its first solid stands
+    for (const Solid<double>& solid : one.solids) {
+        auto list = std::ranges::find(lists, solid.shape, &std::pair<Shape, std::string>::first);
+        if (list == lists.end()) list = lists.insert(list, {solid.shape, ""});
+        list->second += (list->second.empty() ? "" : ", ") + solid_text(solid);
     }
+    std::string solids;
+    for (const auto& [shape, list] : lists) solids += fmt::format("{} = [{}]\n", row_of(shape).plural, list);
     const Ray<double> ray = one.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};

@@ -25,7 +25,8 @@ void read_row(TableReader& table, Claim& claim) {
 
 /// The keys of a place, which are known wherever a subject is not timed or mended: they say themselves what they need.
 void expect_place(TableReader& table) {
-    for (const char* key : {"at", "case", "exhaustive", "step", "convention"}) static_cast<void>(table.has(key));
+    for (const char* key : {"at", "case", "exhaustive", "step", "pixel", "convention"})
+        static_cast<void>(table.has(key));
 }
 
 /// `bits`, `wrong` and `at`.
@@ -104,7 +105,12 @@ Subject read_scene(TableReader& table, Claim& claim, std::string name) {
     read_row(table, claim);
     expect_place(table);
     table.reject("at", "needs a sweep or a table: it is a place on their axes");
-    return SceneSubject{std::move(name), read_step(table)};
+    SceneSubject on{std::move(name), read_step(table)};
+    if (on.step) table.reject("pixel", "stands beside step, which is of pixel (0, 0); leave one of the two out");
+    constexpr long long last = 65535;
+    if (const auto pixel = table.optional_integers("pixel", 2, 0, last))
+        on.pixel = {static_cast<int>((*pixel)[0]), static_cast<int>((*pixel)[1])};
+    return on;
 }
 
 /// `exhaustive` and what goes with it. `may`: about a sweep of which nothing else is named.
@@ -233,6 +239,8 @@ Subject read_measured(TableReader& table, Claim& claim) {
     }
     if (!std::holds_alternative<SceneSubject>(subject) && read_step(table))
         table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
+    if (!std::holds_alternative<SceneSubject>(subject))
+        table.reject("pixel", "needs a scene: it is the column and the row of one of its rays");
     claim.convention = sweep::read_convention(table);
     return subject;
 }

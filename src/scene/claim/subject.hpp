@@ -12,10 +12,11 @@
 
 namespace lostbits::scene::claim {
 
-/// The picture of a scene, or one sample of a march along its pixel (0, 0).
+/// The picture of a scene, one of its pixels alone, or one sample of a march along its pixel (0, 0).
 struct SceneSubject {
     std::string name;
     std::optional<int> step = {};
+    std::optional<std::pair<int, int>> pixel = {};  ///< column and row
 };
 
 struct SweepSubject {

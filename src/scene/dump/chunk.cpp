@@ -30,6 +30,18 @@ std::string ChunkWriter::called(std::size_t slot) const {
 
 void ChunkWriter::fail(const std::string& place, const std::string& why) { throw InputError(place + ": " + why); }
 
+namespace {
+
+std::string beyond_the_last(std::size_t primitives) {
+    if (primitives == 1) return "there is one primitive, number 0; write that, and -1 or nothing where it was not hit";
+    return fmt::format(
+        "there are {} primitives, numbered from 0 to {} in the order of the scene; write which was hit, and -1 or "
+        "nothing where none was",
+        primitives, primitives - 1);
+}
+
+}  // namespace
+
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     const auto& x = numbers_;
     const auto bad = [&](std::size_t slot, std::string_view why) {
@@ -79,7 +91,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
     if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
-        return bad(slot::object, "write which solid was hit, counted from 0, and -1 or nothing where none was");
+        return bad(slot::object, "write which primitive was hit, counted from 0, and -1 or nothing where none was");
+    if (is_there(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
+        return bad(slot::object, beyond_the_last(*terms_.primitives));
     return decides_ ? find_fault_of_answer() : std::nullopt;
 }
 

@@ -33,6 +33,8 @@ struct DumpTerms {
     OpenEnds open = {};               ///< of the ranges of all rays
     /// The one solid that stands under the matrix of each record, where these have matrices and no solids.
     std::optional<Solid<double>> under = {};
+    /// So many primitives are there for all rays; absent: nobody says so.
+    std::optional<std::size_t> primitives = {};
 };
 
 struct Chunk {

@@ -128,6 +128,9 @@ public:
     void put_under_matrices(const Solid<double>& solid) override {
         for (const auto& file : files_) file->put_under_matrices(solid);
     }
+    void number_primitives(std::size_t count) override {
+        for (const auto& file : files_) file->number_primitives(count);
+    }
     [[nodiscard]] Chunk decode(const Records& records) const override {
         Chunk chunk = files_[records.file]->decode(records);
         chunk.first += first_[records.file];

@@ -67,6 +67,8 @@ public:
     /// Puts one solid, whose numbers are of the format, under the matrix of each record, of a file with matrices and no
     /// solids; before any record is read.
     virtual void put_under_matrices(const Solid<double>& solid) { terms_.under = solid; }
+    /// Says how many primitives the rays are aimed at, beyond which no record may name one; before any is read.
+    virtual void number_primitives(std::size_t count) { terms_.primitives = count; }
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}

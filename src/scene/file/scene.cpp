@@ -1,6 +1,7 @@
 #include "scene/file/scene.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "scene/file/march_table.hpp"
 #include "scene/file/tables.hpp"
@@ -70,6 +71,31 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
         table.fail_at(table.has("tmax") ? "tmax" : "tmin",
                       "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
     return range;
+}
+
+struct SolidTable {
+    Shape shape;
+    TableReader table;
+    std::pair<int, int> place;  ///< line and column in the file
+};
+
+/// The tables of solids in the order in which they stand in the file as it was `written`. Where a variant or an option
+/// writes a list of solids anew, these stand where those of the file stood; a list that the file has not comes last.
+std::vector<SolidTable> solids_in_order(TableReader& file, const Node& written) {
+    std::vector<SolidTable> all;
+    for (const ShapeRow& row : shape_rows) {
+        const Node* const before = written.find(row.name);
+        const std::size_t count = before ? before->items.size() : 0;
+        std::size_t k = 0;
+        for (const TableReader& table : file.tables(row.name)) {
+            constexpr int behind_all = std::numeric_limits<int>::max();
+            const toml::Where where =
+                count == 0 ? toml::Where{"", behind_all, 0} : before->items[std::min(k++, count - 1)].where;
+            all.push_back({row.shape, table, {where.line, where.column}});
+        }
+    }
+    std::ranges::stable_sort(all, {}, &SolidTable::place);
+    return all;
 }
 
 /// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
@@ -167,12 +193,10 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     TableReader camera = file.table("camera");
     scene.camera = read_camera(camera, numbers);
     scene.appearance = read_appearance(file, numbers);
-    for (const ShapeRow& row : shape_rows) {
-        for (TableReader& table : file.tables(row.name)) {
-            if (row.shape == rendered_shape)
-                scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
-            scene.listed.push_back(read_solid(row.shape, table, numbers));
-        }
+    for (auto& [shape, table, place] : solids_in_order(file, root_)) {
+        if (shape == rendered_shape)
+            scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
+        scene.listed.push_back(read_solid(shape, table, numbers));
     }
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
@@ -259,11 +283,22 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
     return files;
 }
 
+namespace {
+
+/// `mine.toml` of `mine.toml` and of `mine.toml.close`, its variant `close`; empty for a name that is neither.
+std::filesystem::path file_in(const std::filesystem::path& name) {
+    if (name.extension() == ".toml") return name;
+    const std::filesystem::path before = name.parent_path() / name.stem();
+    return before.extension() == ".toml" ? before : std::filesystem::path();
+}
+
+}  // namespace
+
 std::string beside(const std::filesystem::path& by, const std::string& name) {
     const std::filesystem::path given(name), there = by.parent_path() / given;
     std::error_code ignored;
-    const bool is_file = given.is_relative() && given.extension() == ".toml";
-    return is_file && std::filesystem::is_regular_file(there, ignored) ? there.string() : name;
+    const bool is_file = given.is_relative() && !file_in(given).empty();
+    return is_file && std::filesystem::is_regular_file(file_in(there), ignored) ? there.string() : name;
 }
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
@@ -275,6 +310,9 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (const std::string meant = toml::nearby_file(as_path); !meant.empty())
             throw InputError(no_file + "; " + meant);
     };
+    if (const auto file = file_in(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
+                                            std::filesystem::is_regular_file(file, ignored))
+        return {file, as_path.extension().string().substr(1)};
     if (as_path.has_parent_path()) {
         refuse_slip();
         return {as_path};

@@ -65,7 +65,7 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<Solid<Real>> listed;                       ///< as written, in world units, shape by shape
+    std::vector<Solid<Real>> listed;                       ///< as written, in world units, in the file's order
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]: its triangles come last; null: none
     std::optional<Placement<double>> mesh_placed;          ///< under which they stand: ideal numbers, as the vertices
@@ -144,7 +144,7 @@ struct SceneName {
 /// `x.toml` as the file `by` means it: the one that lies beside `by`, if there is one; otherwise the name as it is.
 std::string beside(const std::filesystem::path& by, const std::string& name);
 
-/// A path to a file, or the id of one in `data_dir/scenes`: `rtg-fig-7-4`, or `rtg-fig-7-4.r1e3` for one variant.
+/// A path to a file, or the id of one in `data_dir/scenes`: `rtg-fig-7-4`; of one variant `x.toml.r1e3`, `x.r1e3`.
 /// InputError with did-you-mean for a name that is neither. The variant itself is checked when it is loaded.
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);
 

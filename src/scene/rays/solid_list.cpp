@@ -1,6 +1,7 @@
 #include "scene/rays/solid_list.hpp"
 
 #include "scene/rays/rays.hpp"
+#include "scene/rays/stored_mesh.hpp"
 
 namespace lostbits::scene::rays {
 namespace {
@@ -67,7 +68,10 @@ std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
 
 SolidList<double> shared_solid_list(const file::Scene& scene) { return with_made(shared_listed(scene), scene); }
 
-SolidList<double> solid_list_of(const RayGroup& group) { return {group.solids, {.flake = {}, .mesh = group.mesh}}; }
+SolidList<double> solid_list_of(const RayGroup& group) {
+    const bool wide = group.mesh && !fits_binary32(*group.mesh);
+    return {group.solids, {.flake = {}, .mesh = group.mesh, .inputs = wide ? file::Inputs::own : file::Inputs::shared}};
+}
 
 SolidList<Real> ideal_solid_list(const file::Scene& scene) { return with_made(scene.listed, scene); }
 

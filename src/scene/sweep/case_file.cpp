@@ -112,6 +112,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
     table.read("symmetric", c.symmetric);
+    std::vector<std::pair<std::pair<int, int>, SolidSpec>> solids;  // by where they stand in the file
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& solid : table.tables(row.plural)) {
             SolidSpec spec{row.shape, {}};
@@ -129,9 +130,12 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
                 if (!spec.in(binary64, 0).placed->is_proper()) solid.fail_at(key, std::string(singular_words));
             }
             solid.reject_unknown_keys();
-            c.solids.push_back(std::move(spec));
+            const toml::Where where = solid.where();
+            solids.emplace_back(std::pair(where.line, where.column), std::move(spec));
         }
     }
+    std::ranges::stable_sort(solids, {}, [](const auto& placed) { return placed.first; });
+    for (auto& [place, spec] : solids) c.solids.push_back(std::move(spec));
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
         if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);

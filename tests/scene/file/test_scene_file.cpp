@@ -198,6 +198,32 @@ TEST_CASE("a malformed override says how one is written") {
           "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
 }
 
+TEST_CASE("solids are numbered in the order of the file, whatever their kinds") {
+    const std::string scene = replaced(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "");
+    const std::string text =
+        scene + "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n" +
+        "[[triangle]]\na = [0, 0, 0]\nb = [1, 0, 0]\nc = [0, 1, 0]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 2\n" +
+        "[[box]]\nlo = [0, 0, 0]\nhi = [2, 2, 2]\n";
+    const auto shapes_of = [](const Scene& s) {
+        std::vector<Shape> shapes;
+        for (const auto& solid : s.listed) shapes.push_back(solid.shape);
+        return shapes;
+    };
+    const std::vector written{Shape::box, Shape::sphere, Shape::triangle, Shape::sphere, Shape::box};
+    const Scene s = loaded(text);
+    CHECK(shapes_of(s) == written);
+    CHECK(s.listed[1].sphere().radius == 1);
+    CHECK(s.listed[3].sphere().radius == 2);
+    // Paths count within a kind, and a changed number does not move its solid.
+    const Scene changed = loaded(text, set("sphere[1].radius=7"));
+    CHECK(shapes_of(changed) == written);
+    CHECK(changed.listed[3].sphere().radius == 7);
+    // What is written anew stands where the old ones stood; what was not there at all, behind all.
+    CHECK(shapes_of(loaded(text, set("sphere=[{centre=[0,0,0],radius=3}]"))) ==
+          std::vector{Shape::box, Shape::sphere, Shape::triangle, Shape::box});
+    CHECK(shapes_of(loaded(text, set("plane=[{through=[0,0,0],normal=[0,0,1]}]"))).back() == Shape::plane);
+}
+
 TEST_CASE("plain tables in a variant's set extend the path") {
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { camera.width = 7, \"sphere[0]\".radius = 2 }\n";

@@ -81,9 +81,10 @@ function commandsFor(map, row, x, y, metric) {
 
 /**
  * Room about a measured number, so that a claim does not fail over nothing: half a bit, a hundredth of a share, a
- * hundredth of the rays, and else a tenth. Nothing below 0; of an exact zero, only zero.
+ * hundredth of the rays, and else a tenth. Nothing below 0; of an exact zero, only zero; of one ray, its outcome.
  */
 function intervalAbout(column, value, rays) {
+    if (outcomeNames.includes(column) && rays === 1) return [value, value];
     if (outcomeNames.includes(column)) {
         const by = Math.max(1, Math.ceil(rays / 100));
         return [Math.max(0, value - by), Math.min(rays, value + by)];
@@ -110,12 +111,13 @@ function intervalLine(column, value, rays, isDrawn) {
 
 /** A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. */
 function claimText(id, given, { form, format }, [column, value], rays, isDrawn) {
-    return `[[claim]]
-id = "my.${id}.${form}.${format}.${column}"
+    return `# Behind schema = "lostbits-claims/1", which stands once at the head of a file of claims.
+[[claim]]
+id = ${JSON.stringify(`my.${id}.${form}.${format}.${column}`)}
 statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
-note = "${column} over ${rays} rays, from the report"
+note = "${column} over ${rays === 1 ? "one ray" : `${rays} rays`}, from the report"
 [claim.given]
 ${given}
 form = "${form}"
@@ -126,13 +128,20 @@ ${intervalLine(column, value, rays, isDrawn)}
 `;
 }
 
-/** Of what the summary has for this row. */
-function claimFor(map, row, metric) {
+/** Of the chosen ray: its metric where it has a number there, else its outcome. Of none: of what the summary has. */
+async function claimFor(map, row, metric, x, y) {
+    const scene = `scene = ${JSON.stringify(map.claimed)}`;
+    if (x >= 0) {
+        const pixels = await pixelsOf(map, row), i = y * map.width + x;
+        const value = metric.kind === "classes" || metric.categories ? NaN : valueAt(pixels, metric, i);
+        return claimText(
+            `${map.id}.${x}-${y}`, `${scene}\npixel = [${x}, ${y}]`, row,
+            Number.isFinite(value) ? [`${metric.name}_max`, Math.abs(value)] : [outcomeNames[pixels.outcome[i]], 1], 1);
+    }
     const p99 = row.statistics[metric.name]?.[1], agreed = row.outcomes[agreeHit];
     const known = typeof p99 === "number" && isEnough(agreed, row.true_hits);
     return claimText(
-        map.id, `scene = "${map.id}"`, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed],
-        total(row.outcomes));
+        map.id, scene, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed], total(row.outcomes));
 }
 
 let asked = 0;

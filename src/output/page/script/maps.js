@@ -215,7 +215,7 @@ function buildMaps() {
     const buttons = copyButtons(
         copied, ["copy-command", "copy the command", () => command("map")],
         ["copy-explain", "copy the command for this ray", () => command("explain")],
-        ["copy-claim", "copy as claim", () => claimFor(mapNow(), rowNow(), metricNow())],
+        ["copy-claim", "copy as claim", () => claimFor(mapNow(), rowNow(), metricNow(), state.x, state.y)],
         ["copy-link", "copy the link", () => location.href]);
     const parts = Object.assign(mapParts, {
         showNote,

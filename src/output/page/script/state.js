@@ -171,4 +171,4 @@ function copyText(text, output) {
 const copiedBox = () => make("pre.copied", { hidden: true });
 /** Buttons that each copy what a function says: their ids, words and functions. */
 const copyButtons = (output, ...all) =>
-    all.map(([id, words, text]) => button(`#${id}`, () => copyText(text(), output), words));
+    all.map(([id, words, text]) => button(`#${id}`, async () => copyText(await text(), output), words));

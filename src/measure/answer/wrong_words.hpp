@@ -1,0 +1,23 @@
+// Wrong decisions in words.
+#pragma once
+
+#include <string_view>
+
+#include "measure/answer/outcome.hpp"
+
+namespace lostbits::measure::answer {
+
+/// One ray that is decided so wrongly: `a false miss`.
+constexpr std::string_view wrong_words(Outcome wrong) {
+    switch (wrong) {
+        case Outcome::false_hit: return "a false hit";
+        case Outcome::false_miss: return "a false miss";
+        case Outcome::wrong_object: return "a hit of the wrong solid";
+        case Outcome::crack: return "a crack in the mesh";
+        case Outcome::double_hit: return "a double hit";
+        case Outcome::out_of_order: return "two triangles out of order";
+        default: return "an answer that is not a number";
+    }
+}
+
+}  // namespace lostbits::measure::answer
