@@ -12,6 +12,7 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
+#include "intersect/conventions.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/judge/judge_files.hpp"
@@ -196,6 +197,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     intersect::doors::require_front(contract.facing, shape, o.file);
+    if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_form = &answers.form();
     request.by = selection::group_of(o, dump->layout());

@@ -8,6 +8,7 @@
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
+#include "intersect/conventions.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
@@ -59,29 +60,31 @@ std::string from_inside(intersect::Inside said, Shape shape) {
 }
 
 Listing intersectors(const Common& /*common*/) {
-    return listing(
-        {"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "formats", "source"},
-        lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& i) {
-            const intersect::Info& info = *i.info;
-            const char* roots = info.roots == intersect::Roots::both         ? "both"
-                                : info.roots == intersect::Roots::near_only  ? "near only"
-                                : info.roots == intersect::Roots::first_only ? "first only"
-                                                                             : "none";
-            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
-                                    : info.at_origin == intersect::AtOrigin::miss ? "misses"
-                                                                                  : "exit";
-            return Row{
-                std::string(info.name),
-                std::string(info.title),
-                info.direction == intersect::Direction::unit ? "unit" : "any",
-                roots,
-                info.touching == intersect::Touching::hit ? "hits" : "misses",
-                at_origin,
-                from_inside(info.inside, i.shape),
-                is_flat(i.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none",
-                selection::formats_of(i),
-                std::string(info.source)};
-        });
+    return listing({"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "next_crossing",
+                    "formats", "source"},
+                   lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& i) {
+                       const intersect::Info& info = *i.info;
+                       const char* roots = info.roots == intersect::Roots::both         ? "both"
+                                           : info.roots == intersect::Roots::near_only  ? "near only"
+                                           : info.roots == intersect::Roots::first_only ? "first only"
+                                                                                        : "none";
+                       const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
+                                               : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                                                                                             : "exit";
+                       return Row{std::string(info.name),
+                                  std::string(info.title),
+                                  info.direction == intersect::Direction::unit ? "unit" : "any",
+                                  roots,
+                                  info.touching == intersect::Touching::hit ? "hits" : "misses",
+                                  at_origin,
+                                  from_inside(info.inside, i.shape),
+                                  is_flat(i.shape)
+                                      ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
+                                      : "none",
+                                  intersect::tells_next_crossing(info, i.shape) ? "yes" : "no",
+                                  selection::formats_of(i),
+                                  std::string(info.source)};
+                   });
 }
 
 Listing formats(const Common& /*common*/) {

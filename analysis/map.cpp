@@ -12,6 +12,7 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
+#include "intersect/conventions.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
@@ -20,6 +21,7 @@
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
 
@@ -123,6 +125,27 @@ struct SceneSummaries {
     std::vector<measure::evaluate::NeededSummary> needed;
 };
 
+/// Says which forms lost hits because the range leaves out the only crossing that they tell.
+void note_lost_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
+    const Range<double>& range = work.map.scene->range;
+    if (!range.open.tmin && !(range.tmin > 0)) return;
+    std::string lost;
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        const TestedForm& row = work.map.rows[r];
+        const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
+        if (missed == 0 || row.form->is_set() || intersect::tells_next_crossing(*row.form->info, row.form->shape))
+            continue;
+        lost += fmt::format("{}{} {} ({} of {})", lost.empty() ? "" : ", ", row.form->info->name, row.format.name,
+                            missed, scene::toml::counted(summaries[r].true_hits, "hit"));
+    }
+    if (lost.empty()) return;
+    fmt::print(stderr,
+               "lostbits: scene {}: its rays begin {} t = {:g}, and these forms tell one crossing alone: where that is "
+               "left out they miss the next one: {}; `lostbits list forms` has next_crossing = yes of those that tell "
+               "it\n",
+               work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, lost);
+}
+
 void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
                  bool verbose) {
     fmt::print("{}\n", (folder / "contact.png").string());
@@ -131,6 +154,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
     if (verbose) print_table(work.map, summaries.map);
     if (verbose) print_stages(*work.map.stages);
     if (verbose && work.needed) print_table(*work.needed, summaries.needed);
+    note_lost_crossings(work, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
     if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
         fmt::print(stderr,

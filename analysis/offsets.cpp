@@ -117,8 +117,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
     std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
     if (rows.empty())
         throw NothingSelected(
-            "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
-            "'sphere.*'");
+            "offsets needs forms that tell where a ray meets a primitive, and none is selected; try -i 'sphere.*'");
     const auto strategies =
         selection::select_rows(measure::offset::strategies(), o.strategies, "strategy", "--strategy");
     auto scenes = scenes_of_solids(o, rows, "offsets", common);
@@ -154,10 +153,10 @@ void add_offsets(const shell::Command& program, const Common& common) {
     o->formats = {std::string(measure::offset::usual_format)};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    selection::add_scenes(command, *o, "; spheres or boxes");
+    selection::add_scenes(command, *o, "; primitives of any kind");
     command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
-                     "box.ieee_minmax, and those of --plugin, --pipe and --shader)");
+                     "box.ieee_minmax, one of each other shape, and those of --plugin, --pipe and --shader)");
     selection::add_formats(command, o->formats, "f32");
     command.add_list("--strategy", o->strategies,
                      "Strategies, by name or glob (default: all); `lostbits list strategies`");

@@ -3,6 +3,7 @@
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
 #include "analysis/selection/judge_words.hpp"
+#include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
@@ -130,6 +131,7 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     words.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
     words.run = [](const lb_batch*) -> const char* { return nullptr; };
     const auto contract = intersect::doors::contract_of(words, whose);
+    if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, whose);
     intersect::Info info{};
     info.direction = contract.direction;
     info.touching = contract.touching;

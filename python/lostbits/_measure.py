@@ -112,7 +112,7 @@ def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32
             points: str = "both", *, threads: int = 0, progress: bool = True) -> Offsets:
     """How far the origin of the next ray must move, point by point, and what published strategies do.
 
-    `forms` find the points and are asked for self-hits: of spheres or boxes; none: sphere.half_b, box.ieee_minmax.
+    `forms` find the points and are asked for self-hits; none: sphere.half_b, box.ieee_minmax, one of each other shape.
     `strategies`: names and globs; none: all. `points`: "computed", "projected" (put back onto the surface) or "both".
     The result: `.summary`, a row a strategy, side, point, form and format, with lengths in the scene's own unit.
     """

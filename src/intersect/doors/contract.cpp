@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "intersect/conventions.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
@@ -126,11 +127,7 @@ void require_sense(const Contract& c, const std::string& library) {
                          "lostbits_plugin.h");
     require_roots(c, from);
     require_front(c.facing, c.shape, from);
-    const Inside inside = inside_of(c);
-    if (zero_inside(c.shape) && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
-        throw InputError(from + ": from inside of " + with_article(c.shape) +
-                         " the answer is 0, and so it is from its surface; at_origin is for spheres and for inside = "
-                         "exit or miss");
+    require_origin(c.at_origin, inside_of(c), c.shape, from);
 }
 
 Inside inside_of(const Contract& c) {

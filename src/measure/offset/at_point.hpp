@@ -17,15 +17,20 @@ namespace lostbits::measure::offset {
 /// What can be wrong with a respawned ray; several can at once.
 ///
 ///   self_hit            by truth: the exact half-line from the new origin, beyond t_min, meets inner points of the
-///                       solid that it leaves. Into the solid: it meets the surface at which it starts once more.
-///   self_hit_by_form    by the form's own arithmetic: it tells a t in (tmin, tmax) for the solid that the ray leaves.
+///                       solid that it leaves before half of the way to its next wall (`next_wall`); of a surface
+///                       without an inside, it crosses that. Into the solid: it meets the surface at which it starts
+///                       once more.
+///   self_hit_by_form    by the form's own arithmetic: it tells a t in (tmin, tmax) for the solid that the ray leaves,
+///                       before half of the way to its next wall.
 ///                       Into the solid: one that comes before half of the true way to the other side.
 ///   lost_occluder       past a neighbour: the exact ray from p meets another solid, whose surface lies between p and
 ///                       where the new ray starts.
+///                       So is the next wall of what it leaves, also where that is not asked.
 ///   begins_in_neighbour the new ray starts inside another solid, and p does not lie in it.
 ///   lost_exit           into the solid: the exact half-line meets no inner points of the solid, or it is not asked.
 ///   lost_exit_by_form   into the solid: the form tells no t in (tmin, tmax).
-///   wrong_side          the new origin is an inner point of the solid (outside), or not in it (inside).
+///   wrong_side          the new origin is an inner point of the solid (outside), or not in it (inside); of a surface,
+///                       behind it.
 ///   not_finite          the new origin or direction is not finite; nothing else is asked then.
 enum class Fault : std::uint8_t {
     self_hit,

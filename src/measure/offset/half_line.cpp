@@ -1,6 +1,7 @@
 #include "measure/offset/half_line.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -97,11 +98,17 @@ std::optional<Meeting> enclosed(const QuarticSpan<E>& s) {
     return Meeting{.inside = *at<0, .outside = *at> 0, .meets = *meets};
 }
 
+/// The ray that begins where the half-line does.
 template <class E>
-std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
+Ray<E> begun(const HalfLine& line) {
     Ray<E> from = lift_ray<E>(line.ray);
     if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
-    return with_span(from, lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
+    return from;
+}
+
+template <class E>
+std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
+    return with_span(begun<E>(line), lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
 }
 
 /// What `find` finds: every sign is told by some precision, most by a running error.
@@ -153,12 +160,56 @@ std::optional<bool> passes(const S& s) {
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+
+/// From a point of the surface. Towards the axis the point is the near root, and the far one is the next wall where it
+/// lies between the rims.
+double next_wall_of(const WallSpan<double>& s) {
+    const auto& side = s.solid.side;
+    if (!(side.h < 0 && s.crossing(1).closed)) return nowhere;
+    return ends_of(side)->far;
+}
+/// Away from the solid, where f rises, the point is an exit, and the next crossing an entry.
+double next_wall_of(const QuarticSpan<double>& s) {
+    const NearRoots<double> roots = near_roots(s.f, s.bound);
+    if (roots.count == 0 || !(s.f.slope().at(s.b) > 0)) return nowhere;
+    int own = 0;
+    const auto distance = [&](int i) { return std::fabs(roots.x[static_cast<std::size_t>(i)] - s.b); };
+    for (int i = 1; i < roots.count; ++i)
+        if (distance(i) < distance(own)) own = i;
+    const int next = own % 2 == 1 ? own + 1 : own;  // an entry is nearest where the stretch that is left is too short
+    if (next >= roots.count) return nowhere;
+    const double t = s.time(roots.x[static_cast<std::size_t>(next)]);
+    return t > 0 ? t : nowhere;
+}
+
 }  // namespace
 
 bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
 
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
     return escalate([&]<class E>() { return enclosed<E>(line, solid); });
+}
+
+bool meets_before(const HalfLine& line, double end, const Solid<double>& solid) {
+    if (std::isinf(end)) return find_meeting(line, solid).meets;
+    if (!(line.from < end)) return false;
+    return escalate([&]<class E>() {
+        const Ray<E> from = begun<E>(line);
+        return with_span(Ray<E>{from.origin, (E(end) - E(line.from)) * from.direction}, lift_solid<E>(solid),
+                         [](const auto& span) { return passes<E>(span); });
+    });
+}
+
+double next_wall(const Ray<double>& leaving, const Solid<double>& solid) {
+    return visit_shape(solid, [&]<template <class> class Of>() {
+        using Span = decltype(span_of<Of>(leaving, solid));
+        if constexpr (!Span::is_met_behind_touch) return nowhere;  // convex, or a flat piece: it has no other wall
+        else
+            return in_its_space<Of>(leaving, solid, [](const Of<double>& shape, const Ray<double>& its) {
+                return next_wall_of(shape.span({shape.projected(its, its.origin), its.direction}));
+            });
+    });
 }
 
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {

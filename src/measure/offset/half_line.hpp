@@ -29,6 +29,15 @@ struct Meeting {
 /// always decide. The half-line is proper.
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid);
 
+/// The same of t < end alone: a point with from < t < end is an inner point of the solid; of a surface, it is crossed
+/// there, but not at a rim.
+bool meets_before(const HalfLine& line, double end, const Solid<double>& solid);
+
+/// Where a ray meets the primitive that it leaves once more: the t of its next wall, from the point of the surface that
+/// is nearest to its origin; infinite where there is none. Only a torus and a tube have one. In doubles: it tells a far
+/// wall from the surface that is left, and proves nothing.
+double next_wall(const Ray<double>& leaving, const Solid<double>& solid);
+
 /// Whether the way from a to b, both ends with it, meets inner points of the solid. a and b are finite.
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid);
 

@@ -46,13 +46,15 @@ constexpr OffsetColumn table[] = {
     {"bad_fraction", "", "share of rays with any fault but a start on the wrong side, which alone harms nothing", false,
      [](const S& s, Side side, std::size_t k) { return fraction(of(s, side, k).bad, s.on(side).rays); }},
     {"self_hit_fraction", "",
-     "share of rays that meet by truth the solid that they leave; into the solid: the surface at which they start",
+     "share of rays that meet by truth the solid that they leave, but for its far wall; into the solid: the surface at "
+     "which they start",
      false, share<Fault::self_hit>},
     {"self_hit_by_form_fraction", "", "share of rays of which the form's own arithmetic says so", false,
      share<Fault::self_hit_by_form>},
     {"lost_occluder_fraction", "",
-     "share of rays that start behind the surface of another solid which they should have met", false,
-     share<Fault::lost_occluder>},
+     "share of rays that start behind the surface of another solid, or a far wall of their own, which they should have "
+     "met",
+     false, share<Fault::lost_occluder>},
     {"begins_in_neighbour_fraction", "",
      "share of rays that start inside another solid, whose point does not lie there", false,
      share<Fault::begins_in_neighbour>},

@@ -2,6 +2,7 @@
 // and every strategy against it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -88,22 +89,30 @@ struct OffsetBand {
 
 struct OffsetRequest {
     const scene::file::Scene& scene;
-    std::vector<OffsetRow> rows;  ///< of forms of spheres or boxes that tell t
+    std::vector<OffsetRow> rows;  ///< of forms of primitives that tell t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
     bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 
-/// What points and self-hits are measured by where nothing else is asked for: a form a shape, in this format.
-inline constexpr std::array<std::string_view, 2> usual_forms{"sphere.half_b", "box.ieee_minmax"};
+/// What points and self-hits are measured by where nothing else is asked for: a form a shape, in the order of the
+/// shapes, in this format.
+inline constexpr std::array<std::string_view, shape_rows.size()> usual_forms{
+    "sphere.half_b",    "box.ieee_minmax",       "triangle.moller_trumbore",
+    "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",
+    "tube.framed",      "cone.framed",           "disc.framed",
+    "plane.quotient",   "torus.closest_approach"};
+static_assert(std::ranges::equal(usual_forms, shape_rows, [](std::string_view form, const ShapeRow& of) {
+    return form.substr(0, form.find('.')) == of.name;
+}));
 inline constexpr std::string_view usual_format = "f32";
 
 /// More solids than these are too many to hold each point against all of them.
 inline constexpr std::size_t most_solids = 1000;
 /// InputError for a scene that this cannot be asked of, which is named.
 void require_few_solids(const scene::file::Scene& scene);
-/// Whether a form can be asked: of a sphere or a box, and it tells t.
+/// Whether a form can be asked: of a primitive, and it tells t.
 bool can_be_asked(const intersect::table::Intersector& form);
 
 /// One summary a row. `show` gets the bands of each row from top to bottom, one at a time. The results do not depend on

@@ -128,10 +128,11 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nul
 }
 
 /// What a convention says of a ray that begins in the closed box (largest entry a ≤ tmin ≤ smallest exit b). With a <
-/// tmin < b it is inside; a = tmin is an entry where it begins, and b = tmin an exit there. An exit beyond tmax is
-/// none.
+/// tmin < b it is inside, or, where it touches, it runs along a face that it begins on; a = tmin is an entry where it
+/// begins, and b = tmin an exit there, or both, where it touches in one point. An exit beyond tmax is none.
 template <class E>
-Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked) {
+Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked,
+                                bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
     const Enclosed<E> none{Tri::no};
@@ -143,9 +144,11 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const auto at_once = [&] { return enclosed_begin(slabs.d2, range); };
-    if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once();
-    if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once();
-    if (asked.inside != Inside::exit) return none;
+    const bool along = touching && leaving.is_no();
+    if ((entered.is_no() || along) && asked.at_origin == AtOrigin::hit) return at_once();
+    const bool counts = asked.inside == Inside::exit || entered.is_no();
+    if (leaving.is_yes()) return counts && asked.at_origin != AtOrigin::miss ? at_once() : none;
+    if (asked.inside != Inside::exit && !along) return none;
     if (range) {
         const Tri in_reach = in_time(order_of(exit, range->end), *range);
         if (!in_reach.is_yes()) return {in_reach};
@@ -183,7 +186,8 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, inter
     if (at_once.is_yes()) {
         const bool usual =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
-        Enclosed<E> found = usual ? enclosed_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention);
+        Enclosed<E> found =
+            usual ? enclosed_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention, touching);
         found.touching = touching;
         return found;
     }

@@ -1,0 +1,124 @@
+// The right answer where geometry leaves it open, kind by kind: the one table of conventions. Contracts are refused by
+// it, docs/truth.md shows it, and a test holds the truth against it in every combination of properties.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "intersect/info.hpp"
+#include "number/error.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::intersect {
+
+/// How a ray stands to a primitive where a property of the contract decides. A ray on a surface begins there.
+enum class Situation : std::uint8_t {
+    inside,    ///< begins inside
+    entering,  ///< begins on the surface and goes in; through a flat piece; toward the axis of a tube
+    leaving,   ///< begins on the surface and goes out
+    tangent,   ///< begins on the surface where it touches in one point
+    along,     ///< begins on a face or a cap and runs along it
+    touching,  ///< touches ahead: a tangent, a face, a rim
+    ending     ///< ends where it enters, or on a surface without an inside
+};
+inline constexpr std::array<std::string_view, 7> situation_names{"inside", "entering", "leaving", "tangent",
+                                                                 "along",  "touching", "ending"};
+inline constexpr std::array all_situations{Situation::inside,  Situation::entering, Situation::leaving,
+                                           Situation::tangent, Situation::along,    Situation::touching,
+                                           Situation::ending};
+
+/// `ahead` is the next place, beyond the origin, where the ray meets or leaves the primitive; `none`: no such ray.
+enum class Answer : std::uint8_t { origin, ahead, miss, none };
+inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
+
+/// Whether a ray from inside gets 0.
+constexpr bool answers_0_inside(Shape shape, Inside inside) {
+    return inside == Inside::zero || (inside == Inside::usual && zero_inside(shape));
+}
+
+namespace detail {
+
+/// On the surface, by the property on the origin: an entry, an exit, both at once (a flat piece, a touch).
+constexpr Answer at_surface(AtOrigin said, bool is_exit, Answer behind) {
+    return said == AtOrigin::hit || (said == AtOrigin::exit && is_exit) ? Answer::origin : behind;
+}
+
+constexpr bool has_faces(Shape shape) {
+    return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone;
+}
+
+constexpr Answer right_on_surface(Shape shape, Situation of, const Convention& asked) {
+    const bool no_exits = asked.inside == Inside::miss && has_inside(shape);
+    const bool opened = asked.touching == Touching::miss;
+    const bool touches = of == Situation::tangent || of == Situation::along;
+    // A ray that begins where it leaves touches a box, whose points count themselves.
+    if (opened && (touches || (shape == Shape::box && of == Situation::leaving))) return Answer::miss;
+    if (shape == Shape::box && answers_0_inside(shape, asked.inside)) return Answer::origin;
+    if (of == Situation::entering)
+        return at_surface(asked.at_origin, is_flat(shape), no_exits || is_flat(shape) ? Answer::miss : Answer::ahead);
+    if (of == Situation::leaving && no_exits) return Answer::miss;
+    if (of == Situation::along) return at_surface(asked.at_origin, false, Answer::ahead);
+    return at_surface(asked.at_origin, true, Answer::miss);
+}
+
+}  // namespace detail
+
+/// The right answer by a convention, of a primitive that has nothing more behind (a tube and a torus may have).
+constexpr Answer right_answer(Shape shape, Situation of, const Convention& asked) {
+    const bool opened = asked.touching == Touching::miss;
+    switch (of) {
+        case Situation::inside:
+            if (!has_inside(shape)) return Answer::none;
+            if (answers_0_inside(shape, asked.inside)) return Answer::origin;
+            return asked.inside == Inside::miss ? Answer::miss : Answer::ahead;
+        case Situation::touching:
+            if (shape == Shape::plane) return Answer::none;
+            return opened ? Answer::miss : Answer::ahead;
+        case Situation::ending: return opened && has_inside(shape) ? Answer::miss : Answer::ahead;
+        case Situation::along:
+            if (!detail::has_faces(shape)) return Answer::none;
+            break;
+        case Situation::leaving:
+            if (is_flat(shape)) return Answer::none;
+            break;
+        case Situation::tangent:
+            if (is_flat(shape)) return Answer::none;
+            break;
+        case Situation::entering: break;
+    }
+    return detail::right_on_surface(shape, of, asked);
+}
+
+/// Whether the property on the origin changes any answer of a primitive, where that from inside is `inside`.
+constexpr bool origin_matters(Shape shape, Inside inside) {
+    for (const Situation of : all_situations) {
+        Convention asked;
+        asked.inside = inside;
+        const Answer usual = right_answer(shape, of, asked);
+        for (const AtOrigin other : {AtOrigin::miss, AtOrigin::exit}) {
+            asked.at_origin = other;
+            if (right_answer(shape, of, asked) != usual) return true;
+        }
+    }
+    return false;
+}
+
+/// InputError where the property on the origin is given and changes no answer of a primitive; `from` begins the
+/// message.
+inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& from) {
+    if (at_origin == AtOrigin::hit || !is_solid(shape) || origin_matters(shape, inside)) return;
+    throw InputError(
+        from + ": from inside of " + with_article(shape) +
+        " the answer is 0, and so it is from its surface, whatever at_origin says; leave at_origin out, or "
+        "say inside = exit or miss");
+}
+
+/// Whether a form tells the next crossing where the range of a ray leaves its first one out: it tells both roots, or is
+/// told the range itself. One that tells a single root loses what lies behind it; what answers for all points inside,
+/// and a surface that a line crosses once, has no next crossing to lose.
+constexpr bool tells_next_crossing(const Info& info, Shape shape) {
+    return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || told_end(shape);
+}
+
+}  // namespace lostbits::intersect

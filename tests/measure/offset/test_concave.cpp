@@ -1,0 +1,174 @@
+// Offsets of primitives that a ray which leaves them may truly meet again, or that have no inside: a far wall is no
+// self-hit, and a flat piece is left to either side.
+#include <cmath>
+
+#include "catch.hpp"
+#include "intersect/exact.hpp"
+#include "measure/offset/half_line.hpp"
+#include "measure/offset/offsets.hpp"
+#include "measure/offset/points.hpp"
+#include "measure/seeded.hpp"
+
+namespace test_concave {
+
+using namespace lostbits;
+using namespace lostbits::measure::offset;
+using test::Rational;
+using test::row;
+
+namespace {
+
+const Solid<double> ring(Torus<double>{{0, 0, 0}, {0, 0, 1}, 139, 40});
+const Solid<double> pipe(Tube<double>{{0, 0, -4}, {0, 0, 4}, 1});
+
+/// Everything that is measured where a form meets one primitive.
+struct Measured {
+    std::array<SideOfPoint, 2> sides;
+    std::vector<StrategyAtPoint> at = std::vector<StrategyAtPoint>(2 * all_strategies().size());
+
+    Measured(std::string_view form, const char* format, const Solid<double>& solid, const Ray<double>& ray, double t,
+             HitPoint point = HitPoint::computed) {
+        const measure::evaluate::TestedForm of = row(form, format);
+        const std::vector<Solid<double>> solids{solid};
+        const auto strategies = all_strategies();
+        const PointWork work(of, point, solids, std::nullopt, strategies);
+        REQUIRE(work.measure({ray, t, 0}, sides, at));
+    }
+    [[nodiscard]] const SideOfPoint& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const StrategyAtPoint& by(std::string_view name, Side side) const {
+        const auto all = strategies();
+        const auto k = std::ranges::find(all, name, &Strategy::name) - all.begin();
+        return at[static_cast<std::size_t>(side) * all.size() + static_cast<std::size_t>(k)];
+    }
+};
+
+/// (p² + R² − r²)² − 4 R² (x² + y²) of the ring: negative inside.
+Rational ring_at(const Ray<double>& ray, double t) {
+    Rational p[3];
+    for (int i = 0; i < 3; ++i) p[i] = Rational(ray.origin[i]) + Rational(t) * Rational(ray.direction[i]);
+    const Rational across = p[0] * p[0] + p[1] * p[1], e = across + p[2] * p[2] + 139 * 139 - 40 * 40;
+    return e * e - 4 * 139 * 139 * across;
+}
+
+}  // namespace
+
+TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray enters", "[measure][offset]") {
+    CHECK(next_wall({{99, 0, 0}, {-1, 0, 0}}, ring) == Approx(198));
+    CHECK(next_wall({{-99, 0, 0}, {2, 0, 0}}, ring) == Approx(99));
+    CHECK(std::isinf(next_wall({{179, 0, 0}, {1, 0, 0}}, ring)));  // from the rim that faces away
+    CHECK(std::isinf(next_wall({{99, 0, 0}, {1, 0, 0}}, ring)));   // into it
+    test::Seeded random(65);
+    int met = 0, free = 0;
+    for (int k = 0; k < 3000; ++k) {
+        // From the inner half, put onto the surface in doubles, away from it.
+        const double turn = random.uniform(-3, 3), round = random.uniform(1.6, 4.6);
+        const double across = 139 + 40 * std::cos(round);
+        const Vec<double> p(across * std::cos(turn), across * std::sin(turn), 40 * std::sin(round));
+        const Vec<double> n(std::cos(round) * std::cos(turn), std::cos(round) * std::sin(turn), std::sin(round));
+        Vec<double> w = random.vec(-1, 1);
+        if (dot(w, n) < 0) w = -1.0 * w;
+        if (dot(w, n) < 1e-3 * length(w)) continue;
+        const Ray<double> ray{p, w};
+        const double wall = next_wall(ray, ring), last = std::isinf(wall) ? 400 / length(w) : wall;
+        CAPTURE(k, wall);
+        bool clear = true;
+        for (int i = 1; i < 40; ++i) clear = clear && ring_at(ray, last * (0.01 + 0.98 * i / 40)) > 0;
+        CHECK(clear);
+        if (std::isinf(wall)) ++free;
+        else {
+            const double e = 1e-9 * wall + 1e-10 / length(w);
+            ++met;
+            // Where it is not too near a tangent for doubles to tell: outside before it, inside behind it.
+            CHECK(ring_at(ray, wall - e) > 0);
+            CHECK((ring_at(ray, wall + e) < 0 || ring_at(ray, wall + 2 * e) > 0));
+            CHECK_FALSE(meets_before({ray, 1e-9 / length(w)}, wall - e, ring));
+            CHECK(meets_before({ray, wall / 2}, 1e6 / length(w), ring));
+        }
+    }
+    CHECK(met > 300);
+    CHECK(free > 500);
+}
+
+TEST_CASE("offsets: the next wall of a tube is across it, between the rims", "[measure][offset]") {
+    // From (1, 0, z) along d: −2 p·d/d² = 6/25 t across.
+    CHECK(next_wall({{1, 0, 0}, {-3, 4, 0}}, pipe) == Approx(0.24).epsilon(1e-14));
+    CHECK(next_wall({{1, 0, 0}, {-3, 4, 16}}, pipe) == Approx(0.24).epsilon(1e-14));
+    CHECK(std::isinf(next_wall({{1, 0, 0}, {-3, 4, 17}}, pipe)));  // out of the open end
+    CHECK(std::isinf(next_wall({{1, 0, 0}, {3, 4, 0}}, pipe)));
+    CHECK(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.25, pipe));
+    CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.23, pipe));
+    CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0.5}, 0.25, pipe));
+    CHECK(std::isinf(next_wall({{1, 0, 0}, {-1, 0, 0}}, Solid<double>(Sphere<double>{{0, 0, 0}, 1}))));
+    CHECK(std::isinf(next_wall({{0, 0, 0}, {0, 0, 1}}, Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0}))));
+}
+
+TEST_CASE("offsets: the far wall of a torus is a true hit, and to leave out the torus loses it", "[measure][offset]") {
+    for (const char* format : {"f32", "f64"}) {
+        const Measured m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
+        INFO(format << ", safe " << m.on(Side::outside).safe << " and " << m.on(Side::inside).safe);
+        CHECK(m.on(Side::outside).safe < 1e-4);
+        CHECK(m.on(Side::inside).safe < 1e-4);
+        CHECK(m.by("offset.bound", Side::outside)[Fault::self_hit] == 0);
+        CHECK(m.by("offset.bound", Side::outside)[Fault::lost_occluder] == 0);
+        CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
+        CHECK(m.by("offset.exclude", Side::outside).bad == m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
+        CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.on(Side::inside).rays);
+    }
+    // A point 2^-9 within the ring: all rays but those that are past it hit what they leave.
+    const Measured within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
+    CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.on(Side::outside).rays);
+    CHECK(within.on(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
+}
+
+TEST_CASE("offsets: within a tube the next wall is a true hit, and on either side of it a ray leaves",
+          "[measure][offset]") {
+    for (const char* format : {"f32", "f64"}) {
+        const Measured m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
+        CHECK(m.on(Side::outside).safe < 1e-4);
+        CHECK(m.on(Side::inside).safe < 1e-4);
+        CHECK(m.by("offset.bound", Side::outside).bad == 0);
+        CHECK(m.by("offset.bound", Side::inside).bad == 0);
+        CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
+        CHECK(m.by("offset.exclude", Side::inside).bad == 0);  // out of the tube nothing of it lies ahead
+    }
+    // A pipe that is thinner than the move across it: the new origin is past the other wall.
+    const Solid<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
+    const Measured past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
+    CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
+    CHECK(past.by("offset.bound", Side::outside).bad == 0);
+}
+
+TEST_CASE("offsets: a flat piece is left to either side, and not asking it is right", "[measure][offset]") {
+    const Ray<double> down{{0.25, 0.125, 3}, {0, 0, -1}};
+    const std::pair<const char*, Solid<double>> flat[] = {
+        {"disc.framed", Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})},
+        {"plane.quotient", Solid<double>(Plane<double>{{0, 0, 0}, {0, 0, 1}})},
+        {"triangle.moller_trumbore", Solid<double>(Triangle<double>{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}})}};
+    for (const auto& [form, solid] : flat) {
+        for (const double t : {3.0, 3.0 - 0x1p-20, 3.0 + 0x1p-20}) {
+            const Measured m(form, "f32", solid, down, t);
+            for (const Side side : both_sides) {
+                CAPTURE(form, t, name_of(side));
+                CHECK(m.by("offset.exclude", side).bad == 0);
+                CHECK(m.by("offset.none", side)[Fault::lost_exit] == 0);
+                CHECK(m.by("offset.epsilon", side).bad == 0);
+                // What lies on the other side needs to go as far as it is off, and half a last place.
+                const bool is_off = (t < 3) == (side == Side::inside) && t != 3;
+                CHECK((m.by("offset.none", side)[Fault::self_hit] > 0) == is_off);
+                CHECK(m.on(side).safe == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));
+            }
+        }
+    }
+}
+
+TEST_CASE("offsets: every kind of primitive has a form that is asked where none is named", "[measure][offset]") {
+    for (const ShapeRow& shape : shape_rows) {
+        const auto name = usual_forms[static_cast<std::size_t>(shape.shape)];
+        const auto& form = test::form_named(name);
+        CHECK(form.shape == shape.shape);
+        CHECK(can_be_asked(form));
+        CHECK(form.exists_in(*find_format(std::string(usual_format))));
+    }
+}
+
+}  // namespace test_concave

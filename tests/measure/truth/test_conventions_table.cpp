@@ -1,0 +1,210 @@
+// The table of conventions: the truth holds it in every combination of properties, and docs/truth.md shows it.
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "intersect/conventions.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace test_conventions_table {
+
+using namespace lostbits;
+using intersect::Answer, intersect::AtOrigin, intersect::Convention, intersect::Inside, intersect::Situation,
+    intersect::Touching;
+using measure::truth::find_truth;
+using measure::truth::Truth;
+
+namespace {
+
+/// A ray of whole numbers or short fractions in a situation; `ahead` is the t of its next crossing, by hand.
+struct Example {
+    Shape shape;
+    Situation of;
+    std::vector<double> numbers;
+    Ray<double> ray;
+    double ahead = 0, tmax = HUGE_VAL;
+};
+
+const std::vector<double> ball{0, 0, 0, 1}, ellipsoid{0, 0, 0, 1, 2, 1}, box{-1, -1, -1, 1, 1, 1},
+    cylinder{0, 0, -1, 0, 0, 1, 1}, cone{0, 0, -1, 0, 0, 1, 1, 0.5}, disc{0, 0, 0, 0, 0, 1, 1, 0},
+    plane{0, 0, 0, 0, 0, 1}, triangle{-1, -1, 0, 3, -1, 0, -1, 3, 0}, torus{0, 0, 0, 0, 0, 1, 3, 1};
+
+const std::vector<Example> examples{{Shape::sphere, Situation::inside, ball, {{0, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::sphere, Situation::entering, ball, {{0, 0, 1}, {0, 0, -1}}, 2},
+                                    {Shape::sphere, Situation::leaving, ball, {{0, 0, 1}, {0, 0, 1}}},
+                                    {Shape::sphere, Situation::tangent, ball, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::sphere, Situation::touching, ball, {{1, -2, 0}, {0, 1, 0}}, 2},
+                                    {Shape::sphere, Situation::ending, ball, {{0, 0, 3}, {0, 0, -1}}, 2, 2},
+                                    {Shape::ellipsoid, Situation::inside, ellipsoid, {{0, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::ellipsoid, Situation::entering, ellipsoid, {{0, 2, 0}, {0, -2, 0}}, 2},
+                                    {Shape::ellipsoid, Situation::leaving, ellipsoid, {{0, 2, 0}, {0, 1, 0}}},
+                                    {Shape::ellipsoid, Situation::tangent, ellipsoid, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::ellipsoid, Situation::touching, ellipsoid, {{1, -2, 0}, {0, 1, 0}}, 2},
+                                    {Shape::ellipsoid, Situation::ending, ellipsoid, {{0, 4, 0}, {0, -1, 0}}, 2, 2},
+                                    {Shape::box, Situation::inside, box, {{0, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::box, Situation::entering, box, {{0, 0, 1}, {0, 0, -1}}, 2},
+                                    {Shape::box, Situation::leaving, box, {{0, 0, 1}, {0, 0, 1}}},
+                                    {Shape::box, Situation::tangent, box, {{1, 0, 1}, {1, 0, -1}}},
+                                    {Shape::box, Situation::along, box, {{0, 0, 1}, {2, 0, 0}}, 0.5},
+                                    {Shape::box, Situation::along, box, {{1, 0, 1}, {0, 2, 0}}, 0.5},
+                                    {Shape::box, Situation::touching, box, {{-3, 0, 1}, {1, 0, 0}}, 2},
+                                    {Shape::box, Situation::ending, box, {{0, 0, 3}, {0, 0, -1}}, 2, 2},
+                                    {Shape::cylinder, Situation::inside, cylinder, {{0, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::cylinder, Situation::entering, cylinder, {{0, 0, 1}, {0, 0, -1}}, 2},
+                                    {Shape::cylinder, Situation::entering, cylinder, {{1, 0, 0}, {-1, 0, 0}}, 2},
+                                    {Shape::cylinder, Situation::leaving, cylinder, {{0, 0, 1}, {0, 0, 1}}},
+                                    {Shape::cylinder, Situation::tangent, cylinder, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::cylinder, Situation::along, cylinder, {{0, 0, 1}, {2, 0, 0}}, 0.5},
+                                    {Shape::cylinder, Situation::touching, cylinder, {{-3, 0, 1}, {1, 0, 0}}, 2},
+                                    {Shape::cylinder, Situation::ending, cylinder, {{0, 0, 3}, {0, 0, -1}}, 2, 2},
+                                    {Shape::capsule, Situation::inside, cylinder, {{0, 0, 0}, {0, 0, 4}}, 0.5},
+                                    {Shape::capsule, Situation::entering, cylinder, {{0, 0, 2}, {0, 0, -2}}, 2},
+                                    {Shape::capsule, Situation::leaving, cylinder, {{0, 0, 2}, {0, 0, 1}}},
+                                    {Shape::capsule, Situation::tangent, cylinder, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::capsule, Situation::touching, cylinder, {{1, -2, 0}, {0, 1, 0}}, 2},
+                                    {Shape::capsule, Situation::ending, cylinder, {{0, 0, 4}, {0, 0, -1}}, 2, 2},
+                                    {Shape::tube, Situation::entering, cylinder, {{1, 0, 0}, {-1, 0, 0}}, 2},
+                                    {Shape::tube, Situation::leaving, cylinder, {{1, 0, 0}, {1, 0, 0}}},
+                                    {Shape::tube, Situation::tangent, cylinder, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::tube, Situation::touching, cylinder, {{1, -2, 0}, {0, 1, 0}}, 2},
+                                    {Shape::tube, Situation::ending, cylinder, {{3, 0, 0}, {-1, 0, 0}}, 2, 2},
+                                    {Shape::cone, Situation::inside, cone, {{0, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::cone, Situation::entering, cone, {{0, 0, -1}, {0, 0, 1}}, 2},
+                                    {Shape::cone, Situation::leaving, cone, {{0, 0, 1}, {0, 0, 1}}},
+                                    {Shape::cone, Situation::tangent, cone, {{0.75, 0, 0}, {0, 1, 0}}},
+                                    {Shape::cone, Situation::along, cone, {{0, 0, -1}, {2, 0, 0}}, 0.5},
+                                    {Shape::cone, Situation::touching, cone, {{-3, 0, -1}, {1, 0, 0}}, 2},
+                                    {Shape::cone, Situation::ending, cone, {{0, 0, 3}, {0, 0, -1}}, 2, 2},
+                                    {Shape::disc, Situation::entering, disc, {{0, 0, 0}, {0, 0, 1}}},
+                                    {Shape::disc, Situation::touching, disc, {{1, 0, 2}, {0, 0, -1}}, 2},
+                                    {Shape::disc, Situation::ending, disc, {{0, 0, 2}, {0, 0, -1}}, 2, 2},
+                                    {Shape::plane, Situation::entering, plane, {{0, 0, 0}, {0, 0, 1}}},
+                                    {Shape::plane, Situation::ending, plane, {{0, 0, 2}, {0, 0, -1}}, 2, 2},
+                                    {Shape::triangle, Situation::entering, triangle, {{0, 0, 0}, {0, 0, 1}}},
+                                    {Shape::triangle, Situation::touching, triangle, {{1, 1, 2}, {0, 0, -1}}, 2},
+                                    {Shape::triangle, Situation::ending, triangle, {{0, 0, 2}, {0, 0, -1}}, 2, 2},
+                                    {Shape::torus, Situation::inside, torus, {{3, 0, 0}, {0, 0, 2}}, 0.5},
+                                    {Shape::torus, Situation::entering, torus, {{3, 0, 1}, {0, 0, -1}}, 2},
+                                    {Shape::torus, Situation::leaving, torus, {{3, 0, 1}, {0, 0, 1}}},
+                                    {Shape::torus, Situation::tangent, torus, {{4, 0, 0}, {0, 1, 0}}},
+                                    {Shape::torus, Situation::touching, torus, {{4, -2, 0}, {0, 1, 0}}, 2},
+                                    {Shape::torus, Situation::ending, torus, {{3, 0, 3}, {0, 0, -1}}, 2, 2}};
+
+constexpr std::array touches{Touching::hit, Touching::miss};
+constexpr std::array origins{AtOrigin::hit, AtOrigin::exit, AtOrigin::miss};
+constexpr std::array insides{Inside::usual, Inside::exit, Inside::zero, Inside::miss};
+
+Truth truth_of(const Example& e, const Convention& asked) {
+    Solid<double> solid(e.shape);
+    std::ranges::copy(e.numbers, solid.numbers.begin());
+    return find_truth(e.ray, solid, {}, asked, {0, e.tmax});
+}
+
+/// Cells of docs/truth.md: the answers by each value of the property that decides.
+template <class Values, class Member>
+std::string cell(Shape shape, Situation of, const Values& values, Member Convention::*property, Inside inside) {
+    std::string words;
+    for (const auto value : values) {
+        Convention asked;
+        asked.inside = inside;
+        asked.*property = value;
+        const Answer answer = intersect::right_answer(shape, of, asked);
+        if (answer == Answer::none) return "";
+        words += (words.empty() ? "" : ", ") + std::string(intersect::answer_names[static_cast<std::size_t>(answer)]);
+    }
+    return words;
+}
+
+std::string row_of_table(Shape shape, Inside inside) {
+    std::string text = "|";
+    for (const Situation of : intersect::all_situations) {
+        const std::string words = of == Situation::inside ? cell(shape, of, insides, &Convention::inside, inside)
+                                  : of == Situation::touching || of == Situation::ending
+                                      ? cell(shape, of, touches, &Convention::touching, inside)
+                                      : cell(shape, of, origins, &Convention::at_origin, inside);
+        text += words.empty() ? " |" : " " + words + " |";
+    }
+    return text;
+}
+
+/// A line for all kinds with the same answers, in the order of the shapes.
+std::string table() {
+    std::vector<std::pair<std::string, std::string>> rows;
+    const auto add = [&rows](const std::string& name, const std::string& cells) {
+        const auto same = std::ranges::find(rows, cells, &std::pair<std::string, std::string>::second);
+        if (same == rows.end()) rows.emplace_back(name, cells);
+        else same->first += ", " + name;
+    };
+    for (const ShapeRow& shape : shape_rows) {
+        add(std::string(shape.name), row_of_table(shape.shape, Inside::usual));
+        if (shape.zero_inside)
+            add(std::string(shape.name) + " with `inside = exit`", row_of_table(shape.shape, Inside::exit));
+    }
+    std::string text;
+    for (const auto& [name, cells] : rows) text += "| " + name + " " + cells + "\n";
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("conventions: the truth answers each situation as the table says", "[measure][truth]") {
+    std::size_t asked_of = 0, passed = 0;
+    for (const Example& e : examples) {
+        for (const Touching touching : touches) {
+            for (const AtOrigin at_origin : origins) {
+                for (const Inside inside : insides) {
+                    Convention asked(touching, at_origin);
+                    asked.inside = inside;
+                    const Truth truth = truth_of(e, asked);
+                    const Answer right = intersect::right_answer(e.shape, e.of, asked);
+                    INFO(name_of(e.shape) << " " << intersect::situation_names[static_cast<std::size_t>(e.of)]
+                                          << ", touching " << static_cast<int>(touching) << ", at_origin "
+                                          << intersect::at_origin_names[static_cast<std::size_t>(at_origin)]
+                                          << ", inside " << intersect::inside_names[static_cast<std::size_t>(inside)]
+                                          << ": right is " << intersect::answer_names[static_cast<std::size_t>(right)]
+                                          << ", hit " << truth.is_hit() << " at " << truth.t.hi);
+                    CHECK(right != Answer::none);
+                    CHECK(truth.is_hit() == (right != Answer::miss));
+                    if (truth.is_hit())
+                        CHECK(std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) ==
+                              (right == Answer::origin ? 0 : e.ahead));
+                    ++asked_of, passed += truth.is_hit();
+                }
+            }
+        }
+    }
+    CHECK(asked_of == examples.size() * 24);
+    CHECK(passed > asked_of / 4);
+}
+
+TEST_CASE("conventions: every situation that a kind has is asked about", "[measure][truth]") {
+    for (const ShapeRow& shape : shape_rows) {
+        for (const Situation of : intersect::all_situations) {
+            const bool has =
+                std::ranges::any_of(examples, [&](const Example& e) { return e.shape == shape.shape && e.of == of; });
+            INFO(shape.name << " " << intersect::situation_names[static_cast<std::size_t>(of)]);
+            CHECK(has == (intersect::right_answer(shape.shape, of, {}) != Answer::none));
+        }
+    }
+}
+
+TEST_CASE("conventions: a property on the origin that changes nothing is that of boxes that answer 0",
+          "[measure][truth]") {
+    for (const ShapeRow& shape : shape_rows)
+        for (const Inside inside : insides)
+            CHECK(intersect::origin_matters(shape.shape, inside) !=
+                  (shape.shape == Shape::box && intersect::answers_0_inside(shape.shape, inside)));
+}
+
+TEST_CASE("conventions: docs/truth.md shows the table as it is", "[measure][truth]") {
+    std::ifstream file(std::string(LOSTBITS_DATA_DIR) + "/../docs/truth.md");
+    std::ostringstream text;
+    text << file.rdbuf();
+    INFO(table());
+    CHECK(text.str().find("|---|---|---|---|---|---|---|---|\n" + table() + "\n") != std::string::npos);
+}
+
+}  // namespace test_conventions_table
