@@ -70,9 +70,14 @@ function metricTable(facts) {
     return make("table.metrics", body);
 }
 
+/** A word as a shell reads it back. */
+function shellWord(word) {
+    return /^[A-Za-z0-9_./,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+}
+
 /** What to type for the same map, and for one ray of it. */
 function commandsFor(map, row, x, y, metric) {
-    const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
+    const drawn = metric.kind === "classes" ? "" : ` --metric ${shellWord(metric.name)}`;
     return {
         map: `lostbits map ${map.named} -i ${row.form} -f ${row.format}${row.from}${drawn} --pixels csv -o out`,
         explain: `lostbits explain ${map.named} --pixel ${x},${y} -i ${row.form} -f ${row.format}${row.from}`,
@@ -108,20 +113,23 @@ function intervalLine(column, value, rays, isDrawn) {
     return `# measured ${decimal(value)}${advice}\nin = [${decimal(low)}, ${decimal(high)}]`;
 }
 
-/** A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. */
+/**
+ * A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. A string of JSON
+ * is one of TOML.
+ */
 function claimText(id, given, { form, format }, [column, value], rays, isDrawn) {
     return `[[claim]]
-id = "my.${id}.${form}.${format}.${column}"
+id = ${JSON.stringify(`my.${id}.${form}.${format}.${column}`)}
 statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
-note = "${column} over ${rays} rays, from the report"
+note = ${JSON.stringify(`${column} over ${rays} rays, from the report`)}
 [claim.given]
 ${given}
 form = "${form}"
 format = "${format}"
 [claim.expect]
-metric = "${column}"
+metric = ${JSON.stringify(column)}
 ${intervalLine(column, value, rays, isDrawn)}
 `;
 }
@@ -131,7 +139,7 @@ function claimFor(map, row, metric) {
     const p99 = row.statistics[metric.name]?.[1], agreed = row.outcomes[agreeHit];
     const known = typeof p99 === "number" && isEnough(agreed, row.true_hits);
     return claimText(
-        map.id, `scene = "${map.id}"`, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed],
+        map.id, `scene = ${JSON.stringify(map.id)}`, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed],
         total(row.outcomes));
 }
 
