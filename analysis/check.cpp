@@ -279,6 +279,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
+    complete(folder);
     if (!common.quiet) {
         // A verdict that is confirmed may be that a sentence is wrong.
         fmt::print("{} confirmed, {} failed{}\n", scene::toml::counted(agreed, "verdict"),

@@ -166,9 +166,12 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     return request;
 }
 
+using Owner = std::unique_ptr<output::file::ResultFolder>;
+
 /// What scenes and files have in common, once the accuracy of rays from files is known.
-Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::file::Progress& progress,
-            const Common& common, std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
+Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Owner& owner,
+            output::file::Progress& progress, const Common& common,
+            std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
     measure::choice::TimedRays timed;
     std::optional<measure::choice::Meetings> meetings;
     if (request.scene) request.shows = meetings.emplace(request, request.rows).shows();
@@ -186,6 +189,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
         chosen.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
     }
     files.finish(chosen);
+    complete(owner);
     progress.finish();
     fmt::print("{}", output::choice::in_words(chosen));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
@@ -211,11 +215,11 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advancing(progress);
     if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
-    if (!o.mend) return choose(request, files, progress, common);
+    if (!o.mend) return choose(request, files, owner, progress, common);
     Mending mending = mended(request, {o.compiler, selection::form_flags_folder()}, folder,
                              common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& made : mending.made) request.rows.push_back({.form = &made.formula.row, .format = made.format});
-    return choose(request, files, progress, common, std::move(mending.candidates));
+    return choose(request, files, owner, progress, common, std::move(mending.candidates));
 }
 
 Exit choose_for_files(const ChooseOptions& o, const Common& common) {
@@ -243,7 +247,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format, "--file-format");
     request.rays = &rays;
-    return choose(request, files, progress, common);
+    return choose(request, files, owner, progress, common);
 }
 
 Exit run(const ChooseOptions& o, const Common& common) {

@@ -59,16 +59,21 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
+/// The results in the folder are whole; nothing where there is none. See `ResultFolder::complete`.
+void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
+
 /// A folder in `out` for each scene, in which summary.csv can be written: this run's own until the work on its scene is
 /// done. Its files are whole then, whatever becomes of the run.
 class SceneFolders {
 public:
     SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
 
+    /// To be called once the files of a scene are whole, and before anything is printed about them.
+    using Complete = std::function<void()>;
     /// `work` on each of so many scenes, by their number, one after the other; the sum of what it returns, rays
     /// without a proved truth. Of a run that is asked to stop, says what is kept.
     [[nodiscard]] std::uint64_t each(std::size_t scenes, output::file::Progress& progress,
-                                     const std::function<std::uint64_t(std::size_t)>& work);
+                                     const std::function<std::uint64_t(std::size_t, const Complete&)>& work);
 
 private:
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard

@@ -67,7 +67,7 @@ void say_row(const ConsistencyRequest& request, const measure::evaluate::TestedF
 
 /// One scene; the number of questions whose exact answer is not proved.
 std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
-                               output::file::Progress& progress) {
+                               output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
     output::consistency::ConsistencyFiles files(
         request, {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all"});
@@ -78,6 +78,7 @@ std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOpti
     const auto rows = measure::consistency::run_consistency(
         request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     files.finish(rows);
+    complete();
     std::uint64_t unresolved = 0;
     for (const RowChecks& row : rows) {
         for (const CheckSummary& s : row) unresolved += s.of(Accord::unresolved);
@@ -120,8 +121,9 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
-    return end_with_unproved(folders.each(
-        requests.size(), progress, [&](std::size_t k) { return compare_on_scene(requests[k], o, common, progress); }));
+    return end_with_unproved(folders.each(requests.size(), progress, [&](std::size_t k, const auto& complete) {
+        return compare_on_scene(requests[k], o, common, progress, complete);
+    }));
 }
 
 }  // namespace

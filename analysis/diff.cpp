@@ -151,6 +151,7 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     std::unique_ptr<output::file::ResultFolder> owner;
     if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
     const auto pictures = w.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, w.draw, common.stop);
+    complete(owner);
     if (!sides.are_forms()) print_made_differently(made_differently_below(w.a, w.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");

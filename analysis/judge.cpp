@@ -274,6 +274,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     const JudgeResult& result = *judged;
     const bool worst = files.finish(result);
+    complete(owner);
     progress.finish();
 
     if (!common.quiet) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iterator>
 #include <new>
 #include <system_error>
@@ -23,6 +24,7 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
+#include "scene/toml/file_names.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis {
@@ -202,7 +204,7 @@ namespace {
     else if (!is_foreign)
         std::fputs(
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
-            "smaller --size, or -j 1\n",
+            "smaller --size, a mesh of fewer triangles, or -j 1\n",
             stderr);
     if (who != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
     else if (!lostbits::analysis::shell::tell_broken(static_cast<int>(code)) && is_foreign)
@@ -230,7 +232,10 @@ int run_program(int argc, char** argv) {
     } catch (const Error& error) {
         return fail(error.code(), error.what());
     } catch (const std::bad_alloc&) {
-        return fail(Exit::environment, "out of memory; try a smaller --size or fewer forms");
+        return fail(Exit::environment,
+                    "out of memory; try a smaller --size, fewer forms, or a mesh of fewer triangles");
+    } catch (const std::filesystem::filesystem_error& error) {
+        return fail(Exit::bad_input, scene::toml::words_about(error).c_str());
     } catch (const std::system_error& error) {  // a closed stdout, no more threads
         return fail(Exit::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
     } catch (const std::exception& error) {

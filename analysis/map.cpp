@@ -168,6 +168,7 @@ struct Around {
     const Common& common;
     output::file::Progress& progress;
     shard::Division& division;
+    const SceneFolders::Complete& complete;
 };
 
 /// Maps one scene; the number of its rays without a proved truth, which a shard leaves to the whole.
@@ -228,6 +229,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     }
     if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
+    around.complete();
     if (!common.quiet) progress.aside([&] { say_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
 }
@@ -286,7 +288,7 @@ Exit run(MapOptions o, const Common& common) {
     std::uint64_t units = 0;
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
-    const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k) {
+    const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
         SceneWork work = works[k];  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
         const auto bands =
@@ -298,7 +300,7 @@ Exit run(MapOptions o, const Common& common) {
         work.map.stages = &stages;
         return map_scene(work, o,
                          drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-                         {common, progress, divided.division});
+                         {common, progress, divided.division, complete});
     });
     finish(divided, common);
     if (divided.division.is_shard()) return Exit::done;

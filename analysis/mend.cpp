@@ -79,13 +79,16 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
 std::string command_of(const MendOptions& o) {
     using output::blame::shell_word;
     std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
-                                    shell_word(o.form), o.format, o.bits);
+                                    shell_word(o.form), shell_word(o.format), o.bits);
+    const auto add = [&words](const char* option, const std::string& value) {
+        words += fmt::format(" {} {}", option, shell_word(value));
+    };
     if (o.wrong != 0) words += fmt::format(" --wrong {:.12g}", o.wrong);
-    if (o.at != "max") words += " --at " + o.at;
-    if (o.wider != "double") words += " --wider " + o.wider;
-    if (!o.changes.size.empty()) words += " --size " + o.changes.size;
-    if (!o.changes.variant.empty()) words += " --variant " + o.changes.variant;
-    for (const std::string& change : o.changes.set) words += " --set " + shell_word(change);
+    if (o.at != "max") add("--at", o.at);
+    if (o.wider != "double") add("--wider", o.wider);
+    if (!o.changes.size.empty()) add("--size", o.changes.size);
+    if (!o.changes.variant.empty()) add("--variant", o.changes.variant);
+    for (const std::string& change : o.changes.set) add("--set", change);
     return words;
 }
 
@@ -207,6 +210,7 @@ Exit run(const MendOptions& o, const Common& common) {
         files->finish(result);
         write_page(files->folder() / "index.html", result, common.typed.of(subject) + " -o out");
     }
+    complete(owner);
     fmt::print("{}", output::mend::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());

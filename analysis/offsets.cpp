@@ -76,7 +76,7 @@ std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
 
 /// Offsets over one scene; the number of its rays without a proved truth.
 std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o, const Common& common,
-                           output::file::Progress& progress) {
+                           output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
     std::vector<std::unique_ptr<output::offset::AlongFiles>> along;
     std::vector<output::file::DataResource> also;
@@ -91,6 +91,7 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
         measure::offset::run_offsets(request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     for (std::size_t k = 0; k < along.size(); ++k) sweep_offsets(request, o.axes()[k], *along[k]);
     files.finish(summaries);
+    complete();
     if (!common.quiet) {
         progress.aside([&] {
             fmt::print("{}\n", (folder / "contact.png").string());
@@ -138,9 +139,9 @@ Exit run(const OffsetOptions& o, const Common& common) {
 
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
-    return end_with_unproved(folders.each(requests.size(), progress, [&](std::size_t k) {
+    return end_with_unproved(folders.each(requests.size(), progress, [&](std::size_t k, const auto& complete) {
         requests[k].progress = advancing(progress, &estimate);
-        return offset_scene(requests[k], o, common, progress);
+        return offset_scene(requests[k], o, common, progress, complete);
     }));
 }
 

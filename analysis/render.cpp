@@ -77,7 +77,7 @@ void print_rendered(const RenderRequest& request, const std::vector<RenderSummar
 
 /// Renders one scene; the number of its pixels of which something is not proved.
 std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common,
-                           output::file::Progress& progress) {
+                           output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
     output::picture::RenderFiles files(
         request,
@@ -87,6 +87,7 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
     const auto summaries =
         measure::picture::run_render(request, [&files](std::size_t row, const auto& band) { files.band(row, band); });
     files.finish(summaries);
+    complete();
     progress.aside([&] {
         if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
         if (common.verbose) print_rendered(request, summaries);
@@ -126,9 +127,9 @@ Exit run(const RenderOptions& o, const Common& common) {
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
-    const std::uint64_t unproved = folders.each(requests.size(), progress, [&](std::size_t k) {
+    const std::uint64_t unproved = folders.each(requests.size(), progress, [&](std::size_t k, const auto& complete) {
         requests[k].progress = advancing(progress);
-        return render_scene(requests[k], o, common, progress);
+        return render_scene(requests[k], o, common, progress, complete);
     });
     if (unproved > 0 && !common.quiet)
         fmt::print(stderr, "lostbits: {} could not be proved within {} bits; {} as `unresolved` and {} drawn as such\n",

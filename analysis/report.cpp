@@ -301,6 +301,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     progress.finish();
     file.write(output::page::page(report));
     file.commit();
+    complete(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (const Exit end = end_with_unproved(unresolved); end != Exit::done) return end;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {

@@ -32,6 +32,10 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
     return std::make_unique<output::file::ResultFolder>(folder, std::move(by), rules);
 }
 
+void complete(const std::unique_ptr<output::file::ResultFolder>& folder) {
+    if (folder) folder->complete();
+}
+
 SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out,
                            const Common& common) {
     for (const auto& scene : scenes) {
@@ -43,11 +47,13 @@ SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const 
 }
 
 std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& progress,
-                                 const std::function<std::uint64_t(std::size_t)>& work) {
+                                 const std::function<std::uint64_t(std::size_t, const Complete&)>& work) {
     std::uint64_t unproved = 0;
     for (std::size_t k = 0; k < scenes; ++k) {
         try {
-            unproved += work(k);
+            unproved += work(k, [&] {
+                if (!folders_.empty()) complete(folders_[k]);
+            });
         } catch (const Interrupted&) {
             if (k == 0 || folders_.empty()) throw;
             throw Error(Exit::interrupted,
@@ -112,6 +118,7 @@ Divided divide(const std::string& word, const std::string& out, const std::vecto
 
 void finish(Divided& divided, const Common& common) {
     divided.division.finish();
+    complete(divided.folder);
     if (divided.division.is_shard() && !common.quiet)
         fmt::print("{}\n", (divided.out / output::shard::state_file_name).string());
 }

@@ -68,6 +68,7 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
     const auto found = chosen.measured(file.id, units, request, measure::sweep::run_cases);
     if (!found) return;
     files->finish(*found);
+    complete(owner);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
@@ -104,6 +105,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
     files->finish(steps, onsets);
+    complete(owner);
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
         std::vector<double> first;
         std::string step;

@@ -118,6 +118,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     if (!others_follow) output::file::forget_result(unfinished_.path());
+    complete(owner);
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -153,6 +154,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) 
                               "exclude all of the other ranges");
     }
     output::sweep::write_worst(folder, request, *found);
+    complete(owner);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -176,6 +178,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
     if (!found) return;
     const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
+    complete(owner);
     if (chosen.common.quiet) return;
     fmt::print("{}\n", (folder / "worst.csv").string());
     for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));

@@ -98,6 +98,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     request.plan.progress = advancing(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
+    complete(owner);
     progress.finish();
     if (!common.quiet)
         fmt::print("{}\n{}\n", output::speed::trade_in_words(request, result), (folder / "pareto.csv").string());

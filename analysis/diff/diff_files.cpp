@@ -84,6 +84,8 @@ bool are_folders(const std::string& a, const std::string& b) {
         std::error_code error;
         const auto s = fs::status(path, error);
         if (s.type() == fs::file_type::not_found) throw InputError(path + ": no such file or folder; check the path");
+        if (error == std::errc::too_many_symbolic_link_levels || error == std::errc::filename_too_long)
+            throw InputError(path + ": cannot be followed: " + error.message() + "; check the path");
         if (error) throw EnvironmentError(path + ": cannot be read: " + error.message() + "; check the permissions");
         return fs::is_directory(s);
     };

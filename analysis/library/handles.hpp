@@ -8,6 +8,7 @@
 #include <cstring>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -24,6 +25,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -122,7 +124,10 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const Error& e) {
         return put_error(error, e.code(), in_arguments(e.what()));
     } catch (const std::bad_alloc&) {
-        return put_error(error, Exit::environment, "there is not enough memory; ask for fewer rays, forms or metrics");
+        return put_error(error, Exit::environment,
+                         "there is not enough memory; ask for fewer rays, forms, metrics or triangles");
+    } catch (const std::filesystem::filesystem_error& e) {
+        return put_error(error, Exit::bad_input, scene::toml::words_about(e));
     } catch (const std::exception& e) {
         return put_error(error, Exit::internal, std::string("a fault of lostbits: ") + e.what());
     }

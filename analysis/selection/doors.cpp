@@ -44,10 +44,11 @@ std::vector<ForeignForm> isolated(const std::filesystem::path& library, PipeTerm
 
 /// The forms of a shader, from a process of this program that holds the driver: a compiler, its threads and its faults.
 std::vector<ForeignForm> served(const std::string& shader, const std::string& device, PipeTerms terms) {
-    terms.who = "--shader " + shader + (device.empty() ? "" : " --device " + device);
+    terms.who = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
     terms.ours = true;
-    return open_pipe(this_program("shader serve " + shell_word(shader) + (device.empty() ? "" : " --device " + device)),
-                     terms);
+    return open_pipe(
+        this_program("shader serve " + shell_word(shader) + (device.empty() ? "" : " --device " + shell_word(device))),
+        terms);
 }
 
 /// The same on each device that is named; of `all` on those that there are.
@@ -201,7 +202,7 @@ Behind open_each(const DoorWords& words, int threads) {
         add(served_by_each(shader, words, terms), found.forms);
         again += " --shader " + shell_word(shader);
     }
-    for (const std::string& device : words.devices) again += " --device " + device;
+    for (const std::string& device : words.devices) again += " --device " + shell_word(device);
     output::blame::say_where_forms_are_from(again);
     return found;
 }

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "intersect/process/child.hpp"
+
 namespace lostbits::analysis::shell {
 
+using intersect::process::shell_word;
 using Kind = Values::Kind;
 
 namespace {
@@ -20,13 +23,15 @@ std::string short_help(const std::string& help) {
     return help.substr(0, std::min({help.find(" ("), help.find(": "), help.find("; ")}));
 }
 
-std::string quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
-
 std::vector<std::string> names_of(const std::vector<OptionRow>& options) {
     std::vector<std::string> names;
     for (const OptionRow& option : options) names.insert(names.end(), option.names.begin(), option.names.end());
     return names;
 }
+
+/// Prints the names that `lostbits list` gives. A shell would run what is in others: `compgen -W` expands its words,
+/// and a scene of somebody's folder may be called `$(command).toml`.
+constexpr const char* plain_names = "awk 'NR > 1 && $1 ~ /^[A-Za-z0-9_.,:@\\/+-]+$/ { print $1 }'";
 
 // bash -----------------------------------------------------------------------------------------------------------
 
@@ -100,7 +105,7 @@ std::string fish_option(const std::string& condition, const OptionRow& option) {
     std::string text = "complete -c lostbits" + condition;
     for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    return text + " -d " + replaced(quoted(short_help(option.help)), "'\\''", "\\'") +
+    return text + " -d " + replaced(shell_word(short_help(option.help)), "'\\''", "\\'") +
            (option.takes_value ? fish_values(option.values) : "") + "\n";
 }
 
@@ -115,8 +120,9 @@ std::string bash_completion(const Command& program) {
         "# Completion for bash, made by `lostbits completion bash`.\n"
         "_lostbits_names() {\n"
         "    local what\n"
-        "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | awk 'NR > 1 { print $1 }'; "
-        "done\n"
+        "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | " +
+        std::string(plain_names) +
+        "; done\n"
         "}\n\n"
         "# Sets what can stand at the cursor: words, or the kind of files.\n"
         "_lostbits_here() {\n"
@@ -171,7 +177,9 @@ std::string zsh_completion(const Command& program) {
         "    local -a names\n"
         "    local what\n"
         "    while [[ $1 == -* ]]; do shift; done\n"
-        "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | awk 'NR > 1 { print $1 }')\"}); done\n"
+        "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | " +
+        std::string(plain_names) +
+        ")\"}); done\n"
         "    compadd -a names\n"
         "    [[ $what == (scenes|sweeps) ]] && _files -g '*.toml'\n"
         "}\n\n"
@@ -179,7 +187,7 @@ std::string zsh_completion(const Command& program) {
         "    local command\n"
         "    local -a commands=(\n";
     for (const CommandRow& command : commands)
-        text += "        " + quoted(command.name + ":" + replaced(short_help(command.help), ":", "\\:")) + "\n";
+        text += "        " + shell_word(command.name + ":" + replaced(short_help(command.help), ":", "\\:")) + "\n";
     text += "    )\n    command=${words[(r)(";
     for (const CommandRow& command : commands) text += (&command == &commands.front() ? "" : "|") + command.name;
     text += ")]}\n    case $command in\n";
@@ -203,13 +211,15 @@ std::string fish_completion(const Command& program) {
         "function __lostbits_names\n"
         "    set -l program (commandline -opc)[1]\n"
         "    for what in $argv\n"
-        "        $program list $what 2>/dev/null | awk 'NR > 1 { print $1 }'\n"
+        "        $program list $what 2>/dev/null | " +
+        std::string(plain_names) +
+        "\n"
         "    end\n"
         "end\n";
     for (const OptionRow& option : common_options(program)) text += fish_option("", option);
     for (const CommandRow& command : command_table(program)) {
         text += fmt::format("complete -c lostbits -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
-                            replaced(quoted(short_help(command.help)), "'\\''", "\\'"));
+                            replaced(shell_word(short_help(command.help)), "'\\''", "\\'"));
         const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
         for (const OptionRow& option : command.options) text += fish_option(condition, option);
         if (!command.commands.empty())

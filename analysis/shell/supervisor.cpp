@@ -102,6 +102,7 @@ public:
                 was_slow_ = true;
                 kill(worker_, SIGKILL);
             }
+            end_where_stopped();
         }
         read_messages();
         read_signals();
@@ -110,7 +111,26 @@ public:
     }
 
 private:
-    bool has_ended() { return waitpid(worker_, &how_, WNOHANG) == worker_; }
+    bool has_ended() {
+        int how = 0;
+        while (waitpid(worker_, &how, WNOHANG | WUNTRACED | WCONTINUED) == worker_) {
+            if (!WIFSTOPPED(how) && !WIFCONTINUED(how)) return how_ = how, true;
+            is_stopped_ = WIFSTOPPED(how);
+            stopped_for_ = {};
+        }
+        return false;
+    }
+
+    /// Nothing keeps to a time limit in a worker that stopped itself. Only the time that this process sees counts: what
+    /// a terminal stops is the whole job, this process with it.
+    void end_where_stopped() {
+        const auto now = Clock::now();
+        if (is_stopped_) stopped_for_ += std::min<Clock::duration>(now - looked_at_, std::chrono::seconds(1));
+        looked_at_ = now;
+        if (!is_stopped_ || stopped_for_ < patience_ || was_stopped_) return;
+        was_stopped_ = true;
+        kill(worker_, SIGKILL);
+    }
 
     void read_signals() {
         for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) {
@@ -186,6 +206,12 @@ private:
                 "crashed while the program ended (signal {}, {}): a destructor, or what atexit() was "
                 "told to call; the results before it are whole",
                 signal, named);
+        if (was_stopped_)
+            return fmt::format(
+                "stopped the program (as SIGSTOP does), and nobody let it go on within {:g} seconds; its results are "
+                "not "
+                "complete",
+                patience_.count());
         if (signal == SIGKILL) return "the program was killed in the middle of its work, perhaps for lack of memory";
         if (signal != 0)
             return fmt::format(
@@ -193,8 +219,8 @@ private:
                 "library started; its results are not complete",
                 signal, named);
         return fmt::format(
-            "ended the program in the middle of its work, by _exit(), quick_exit() or the like (status "
-            "{}); its results are not complete",
+            "ended the program in the middle of its work, by _exit(), quick_exit() or the like, or closed descriptors "
+            "that are the program's own (status {}); its results are not complete",
             WEXITSTATUS(how_));
     }
 
@@ -203,11 +229,12 @@ private:
     pid_t worker_;
     std::string libraries_, unread_;
     std::chrono::duration<double> patience_;
-    Clock::time_point told_at_{};
+    Clock::time_point told_at_{}, looked_at_ = Clock::now();
+    Clock::duration stopped_for_{};
     std::optional<int> status_;
     std::vector<std::string> partial_;  ///< many have got their final names since
     std::set<int> heard_;
-    bool was_slow_ = false, is_broken_ = false;
+    bool was_slow_ = false, is_broken_ = false, is_stopped_ = false, was_stopped_ = false;
 };
 
 std::uint64_t drawn_token() {

@@ -143,7 +143,7 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
     CHECK(array[0]["quantity"] == "culprit_fraction of dot(o - centre, d)");
     const std::string map = "lostbits map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -f f32 --metric ";
     CHECK(array[0]["reproduce"] == map + "culprit -o out");
-    CHECK(array[5]["reproduce"] == map + "\"cancellation:disc\" -o out");
+    CHECK(array[5]["reproduce"] == map + "cancellation:disc -o out");
     CHECK(array[2]["measured"].get<double>() ==
           Approx(array[0]["measured"].get<double>() + array[1]["measured"].get<double>()));
     check_refused_claims(

@@ -184,4 +184,146 @@ TEST_CASE("a run that is killed while it replaces results says that they are not
     CHECK_FALSE(has(run("diff out out", scratch.path()).err, "not finished"));
 }
 
+namespace {
+
+/// A shell that mounts something of its own and goes on as the program; empty where this machine forbids it. `mount` is
+/// what it does first.
+std::string with_mount(const std::string& mount, const Scratch& scratch) {
+    for (const char* words : {"unshare -m", "unshare -U -r -m"}) {
+        const std::string shell = std::string(words) + " sh -c '" + mount + " && shift && exec \"$@\"' sh ";
+        if (std::system(("cd '" + scratch.path().string() + "' && " + shell + " x true 2>/dev/null").c_str()) == 0)
+            return "exec " + shell;
+    }
+    WARN("nothing can be mounted here");
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE("results are whole, and say so, although nobody reads what is printed about them") {
+    const Scratch scratch;
+    scratch.write("mine.toml", good_scene);
+    scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n");
+    scratch.write("tilt.toml", small_sweep);
+    for (const char* words :
+         {"map mine.toml -v -i 'sphere.p*' -f f32,f64", "render mine.toml -v", "offsets mine.toml -i sphere.half_b",
+          "consistency mine.toml -i sphere.half_b", "sweep tilt.toml -v -i sphere.press -f f32",
+          "judge rays.csv --sphere 0,0,0,1 -i sphere.press -f f32", "map mine.toml -i sphere.press -f f32 --shard 1/1",
+          "mend mine.toml --size 8x8 -i sphere.half_b --bits 5", "diff before after --draw"}) {
+        INFO(words);
+        const bool compares = std::string(words).starts_with("diff");
+        if (compares) {
+            must("map mine.toml -i sphere.press -f f32 -o before", scratch.path());
+            must("map mine.toml -i sphere.press -f f32 --set 'sphere[0].radius=0.9' -o after", scratch.path());
+        }
+        // Descriptors whose other end is gone before the program begins.
+        run(std::string(words) + (compares ? " out" : " -o out") + " | true", scratch.path(), "sleep 0.2;");
+        int lists = 0;
+        for (const std::string& file : files_below(scratch / "out")) {
+            CHECK_FALSE(has(file, "UNFINISHED"));
+            CHECK_FALSE(has(file, ".partial-"));
+            lists += fs::path(file).filename() == "manifest.json";
+        }
+        CHECK(lists == 1);
+        fs::remove_all(scratch / "out");
+    }
+}
+
+TEST_CASE("a result of an earlier run that stays among those of this one is an error") {
+    const Scratch scratch;
+    scratch.write("mine.toml", good_scene);
+    const std::string words = "map mine.toml -i sphere.press -f f32 -o out", old = "out/mine/sphere.press.f32.csv";
+    must(words + " --pixels csv", scratch.path());
+    REQUIRE(fs::exists(scratch / old));
+    // What is mounted cannot be removed, not even by root.
+    if (const std::string mount = with_mount("mount --bind " + old + " " + old, scratch); !mount.empty()) {
+        const auto r = run(words, scratch.path(), mount);
+        INFO(r.err);
+        CHECK(r.code == 3);
+        CHECK(has(r.err, old + ": is a result of an earlier run and cannot be removed: "));
+        CHECK(fs::exists(scratch / "out/mine/UNFINISHED.txt"));
+    }
+    if (geteuid() == 0) return;  // permissions are for others
+    fs::create_directories(scratch / "out/mine/pictures");
+    fs::permissions((scratch / old).parent_path(), fs::perms::owner_read | fs::perms::owner_exec);
+    const auto r = run(words, scratch.path());
+    fs::permissions((scratch / old).parent_path(), fs::perms::owner_all);
+    CHECK(r.code == 3);
+}
+
+TEST_CASE("where no program may be run from the temporary folder, the answer stands without a price") {
+    const Scratch scratch;
+    scratch.write("mine.toml", good_scene);
+    fs::create_directories(scratch / "noexec");
+    const std::string mount = with_mount("mount -t tmpfs -o noexec tmpfs noexec && export TMPDIR=$PWD/noexec", scratch);
+    if (mount.empty()) return;
+    // It stands for a compiler: what it makes is some library.
+    const std::string compiler = scratch.write(
+        "compiler", "#!/bin/sh\nwhile [ \"$1\" != -o ]; do shift; done\ncp '" LOSTBITS_PLAIN_IMAGES "' \"$2\"\n");
+    fs::permissions(compiler, fs::perms::owner_all);
+    const auto r = run("mend mine.toml --size 8x8 -i sphere.half_b --bits 20 --price --emit e.hpp -o out --compiler '" +
+                           compiler + "'",
+                       scratch.path(), mount);
+    INFO(r.err << r.out);
+    CHECK(r.code == 0);
+    CHECK(has(r.out, "mended.so: cannot be loaded: "));
+    CHECK(has(r.out, "set TMPDIR to another folder"));
+    CHECK(fs::exists(scratch / "e.hpp"));
+    CHECK(fs::exists(scratch / "out/mine/mend.csv"));
+}
+
+TEST_CASE("a path that leads in a circle is bad input, whichever word names it") {
+    const Scratch scratch;
+    scratch.write("mine.toml", good_scene);
+    scratch.write("mesh.toml", replaced(good_scene, "[[sphere]]", "[[mesh]]\nfile = \"loop/a.gltf\"\n[[sphere]]"));
+    fs::create_symlink("loop", scratch / "pool");
+    fs::create_symlink("pool", scratch / "loop");
+    for (const char* words :
+         {"map loop/x.toml -i sphere.press -o out", "map loop.toml -i sphere.press -o out", "map mesh.toml -o out",
+          "map mine.toml -i sphere.press --plugin ./loop -o out", "map mine.toml --shader loop -o out",
+          "judge loop/x.csv --sphere 0,0,0,1 -o out", "sweep loop -o out", "sweep loop/x.toml -o out", "check loop",
+          "check loop/x.toml", "check --filter 'float.*' --against loop", "diff loop loop", "diff mine.toml loop",
+          "diff loop/a.csv mine.toml", "merge loop -o out", "report loop -o out", "choose loop --bits 3 -o out",
+          "mend loop --bits 3 -i sphere.press", "list scenes --data loop"}) {
+        const auto r = run(words, scratch.path());
+        INFO(words << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(r.err.starts_with("lostbits: "));
+        CHECK_FALSE(has(r.err, "filesystem error"));
+    }
+}
+
+TEST_CASE("a mesh whose buffer is a folder is bad input") {
+    const Scratch scratch;
+    fs::create_directories(scratch / "folder");
+    scratch.write("a.gltf",
+                  R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36, "uri": "folder"}], "meshes": []})");
+    scratch.write("mesh.toml", scene_text("[[mesh]]\nfile = \"a.gltf\"\n"));
+    const auto r = run("map mesh.toml -o out", scratch.path());
+    INFO(r.err);
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "a.gltf: is not read: "));
+    CHECK(has(r.err, "folder"));
+}
+
+TEST_CASE("a mesh that does not fit into memory is told with its place, and fewer triangles are advised") {
+    if (under_sanitizer) return;
+    const Scratch scratch;
+    scratch.write("mesh.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 9\n"));
+    const auto r = run("map mesh.toml -i triangle.woop -f f32 -o out", scratch.path(), "ulimit -v 700000;");
+    INFO(r.err);
+    CHECK(r.code == 3);
+    CHECK(has(r.err, "fewer triangles"));
+}
+
+TEST_CASE("shards of a path with a line break are joined") {
+    const Scratch scratch;
+    scratch.write("a\nb\\c/mine.toml", good_scene);
+    for (const char* k : {"1/2", "2/2"})
+        must("-q map 'a\nb\\c/mine.toml' -i sphere.press -f f32 -o parts --shard " + std::string(k), scratch.path());
+    must("-q merge parts -o joined", scratch.path());
+    must("-q map 'a\nb\\c/mine.toml' -i sphere.press -f f32 -o whole", scratch.path());
+    must("-q diff --strict joined whole", scratch.path());
+}
+
 }  // namespace test_faults

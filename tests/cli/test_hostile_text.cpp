@@ -1,8 +1,12 @@
 // Text that a stranger wrote, in every output that shows it.
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "code_only.hpp"
+#include "counts.hpp"
 #include "program.hpp"
 
 namespace test_hostile_text {
@@ -119,6 +123,115 @@ TEST_CASE("a name of a file moves no cursor where two folders differ") {
         CHECK_FALSE(has_forged_command(r.out + r.err));
         CHECK_FALSE(has(r.out + r.err, "\x1b"));
     }
+}
+
+namespace {
+
+bool there_is(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+/// What a shell takes a command of the program for: its words, each between two line breaks.
+std::string words_in_shell(const std::string& command, const Scratch& scratch) {
+    const std::string script = scratch.write(
+        "script", "lostbits() { printf '\\n%s\\n' \"$@\"; }\ncd '" + scratch.path().string() + "'\n" + command);
+    const std::string said = (scratch / "said").string();
+    CHECK(std::system(("sh '" + script + "' >'" + said + "' 2>&1").c_str()) == 0);
+    return contents(said);
+}
+
+}  // namespace
+
+TEST_CASE("the name of a file becomes code nowhere, whatever language is written") {
+    const Scratch scratch;
+    const std::string flags = fs::path(LOSTBITS_PROGRAM).parent_path() / "form.flags";
+    // A name holds no slash, but a path does.
+    for (const std::string name :
+         {R"(x"}; static inline const int pwned = ::system("id > PWNED"); constexpr Info i2{.source = "y)",
+          "*/ int pwned; /*/x", "a\nint pwned;\nb/x", "x\\", "x\?\?/pwned", "$(touch PWNED)", "`touch PWNED`",
+          "'; touch PWNED; '", "x lostbits: name=pwned y", ") (pwned", "\\input{pwned}"}) {
+        INFO(name);
+        fs::create_directories((scratch / (name + ".toml")).parent_path());
+        scratch.write(name + ".toml", good_scene);
+        std::string word = "'";
+        for (const char c : name + ".toml") word += c == '\'' ? "'\\''" : std::string(1, c);
+        word += "'";
+        const std::string mend =
+            "mend " + word + " --size 8x8 -i sphere.half_b --bits 20 --set 'sphere[0].radius=\"0x1p0\"'";
+        must(mend + " --emit mended.hpp -o out --force", scratch.path());
+        must(mend + " --emit mended.glsl", scratch.path());
+        const std::string header = contents(scratch / "mended.hpp"), shader = contents(scratch / "mended.glsl"),
+                          explain = "explain " + word + " --pixel 12,8 -i sphere.half_b -f f32 ";
+        for (const auto& [text, language] : {std::pair(header, c_code),
+                                             {shader, c_code},
+                                             {must(explain + "--c", scratch.path()).out, c_code},
+                                             {must(explain + "--fpcore", scratch.path()).out, fpcore_code},
+                                             {must(explain + "--latex", scratch.path()).out, latex_code}}) {
+            INFO(text);
+            CHECK_FALSE(has(code_only(text, language), "pwned"));
+            CHECK_FALSE(has(code_only(text, language), "PWNED"));
+        }
+        CHECK(count_in(shader, "lostbits:") == 2);
+        const std::string source = "#include \"mended.hpp\"\n";
+        scratch.write("mended.cpp", source);
+        if (fs::exists(flags) && (is_long() || name.starts_with("x\"")))
+            CHECK(std::system(("cd '" + scratch.path().string() + "' && c++ -fsyntax-only mended.cpp @'" + flags +
+                               "' >errors 2>&1")
+                                  .c_str()) == 0);
+        // The command that made it, in the comment and in the list of the folder, is the one that was typed.
+        const std::string made = "// Made by ", line = header.substr(header.find(made) + made.size());
+        const std::string listed =
+            Json::parse(contents(scratch / "out" / fs::path(name).filename() / "manifest.json")).at("command");
+        for (const std::string& command : {listed, line.substr(0, line.find('\n'))}) {
+            if (command != listed && has(name, "\n")) continue;  // a comment is one line
+            INFO(command);
+            CHECK(has(words_in_shell(command, scratch), "\n" + name + ".toml\n"));
+        }
+        CHECK(std::ranges::none_of(scratch.files(), [](const fs::path& file) { return file.filename() == "PWNED"; }));
+    }
+}
+
+TEST_CASE("completing a word runs nothing that a folder's files are called") {
+    const Scratch scratch;
+    fs::create_directories(scratch / "data/scenes");
+    for (const char* name : {"$(touch${IFS}PWNED)", "`touch${IFS}PWNED`", "';touch${IFS}PWNED;'", "good-one"})
+        scratch.write("data/scenes/" + std::string(name) + ".toml", good_scene);
+    const std::string before = "cd '" + scratch.path().string() + "'\nexport LOSTBITS_DATA=data\n";
+    if (there_is("bash")) {
+        scratch.write("script", before + "source <('" LOSTBITS_PROGRAM
+                                         "' completion bash)\nCOMP_WORDS=('" LOSTBITS_PROGRAM
+                                         "' map '')\nCOMP_CWORD=2\n_lostbits\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
+        CHECK(std::system(("bash '" + (scratch / "script").string() + "' >'" + (scratch / "said").string() + "' 2>&1")
+                              .c_str()) == 0);
+        CHECK(has(contents(scratch / "said"), "good-one\n"));
+        CHECK_FALSE(has(contents(scratch / "said"), "touch"));
+    }
+    if (there_is("fish")) {
+        scratch.write("script", before + "'" LOSTBITS_PROGRAM
+                                         "' completion fish | source\ncomplete -C '" LOSTBITS_PROGRAM " map '\n");
+        static_cast<void>(std::system(
+            ("fish '" + (scratch / "script").string() + "' >'" + (scratch / "said").string() + "' 2>&1").c_str()));
+        CHECK_FALSE(has(contents(scratch / "said"), "touch"));
+    }
+    CHECK_FALSE(fs::exists(scratch / "PWNED"));
+}
+
+TEST_CASE("a compiler is a program, by whatever path, and a shell reads none of its words") {
+    const Scratch scratch;
+    scratch.write("mine.toml", good_scene);
+    fs::create_directories(scratch / "a b");
+    // What would be run where its path were words of a shell; it says how it was called, and compiles nothing.
+    const std::string compiler = scratch.write("a b/c'c;touch PWNED", "#!/bin/sh\nprintf '%s\\n' \"$@\" >&2\nexit 1\n");
+    fs::permissions(compiler, fs::perms::owner_all);
+    std::string word = "'";
+    for (const char c : compiler) word += c == '\'' ? "'\\''" : std::string(1, c);
+    const auto r =
+        must("mend mine.toml --size 8x8 -i sphere.half_b --bits 20 --price --compiler " + word + "'", scratch.path());
+    CHECK(has(r.out, "mended.cpp\n-o\n"));
+    CHECK_FALSE(fs::exists(scratch / "PWNED"));
+    const auto none = must("mend mine.toml --size 8x8 -i sphere.half_b --bits 20 --price --compiler no-such-compiler",
+                           scratch.path());
+    CHECK(has(none.out, "no-such-compiler: cannot be started: No such file or directory"));
 }
 
 }  // namespace test_hostile_text

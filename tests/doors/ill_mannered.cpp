@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +24,20 @@ void stay() {
 void crash_in_a_thread() {
     std::thread(crash).detach();
     std::this_thread::sleep_for(std::chrono::seconds(5));
+}
+
+void close_from(int first) {
+    for (int descriptor = first; descriptor < 1024; ++descriptor) close(descriptor);
+}
+
+/// Nothing more can be written, or opened.
+void lower_limits() {
+    for (const auto limit : {RLIMIT_FSIZE, RLIMIT_NOFILE}) {
+        rlimit now{};
+        getrlimit(limit, &now);
+        now.rlim_cur = 3;
+        setrlimit(limit, &now);
+    }
 }
 
 void make_copy(void (*then)()) {
@@ -50,6 +65,10 @@ void behave(const char* when) {
     if (deed == "fork and stay") make_copy(stay);
     if (deed == "chdir" && chdir("/") != 0) std::abort();
     if (deed == "close") close(STDOUT_FILENO);
+    if (deed == "close all") close_from(0);
+    if (deed == "close files") close_from(3);
+    if (deed == "stop") kill(getpid(), SIGSTOP);
+    if (deed == "lower limits") lower_limits();
     if (deed == "umask") umask(0777);
     if (deed == "setenv") setenv("LOSTBITS_DATA", "/nowhere", 1);
     if (deed == "throw") throw 1;

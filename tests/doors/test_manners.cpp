@@ -170,6 +170,40 @@ TEST_CASE("manners: standard output that a library closes is an error, and no re
     });
 }
 
+TEST_CASE("manners: descriptors that are the program's own and are closed end it with 3 and a name", "[doors]") {
+    in_every_way({"load close all", "call close all", "load close files", "call close files"},
+                 [](const std::string& manner, const Way& way, const Ran& ran) {
+                     // Behind a pipe a library has none of the program's but the pipe.
+                     if (way.isolated && manner.ends_with("files")) return;
+                     CHECK(ran.outcome.code == 3);
+                     CHECK(has(ran.outcome.err, "ill_mannered.so"));
+                     if (manner.ends_with("files"))
+                         CHECK(has(ran.outcome.err, "descriptors that are the program's own"));
+                     CHECK_FALSE(ran.has_results);
+                 });
+}
+
+TEST_CASE("manners: a program that a library stops does not wait for ever", "[doors]") {
+    for (const std::string manner : {"load stop", "call stop"}) {
+        for (const Way& way : {ways[0], ways[2]}) {
+            const Ran ran = run_with(manner, way.words, way.before);
+            INFO(manner << " | " << way.words << " | " << ran.outcome.err);
+            CHECK(ran.outcome.code == 3);
+            CHECK(has(ran.outcome.err, "ill_mannered.so"));
+            CHECK(has(ran.outcome.err, way.isolated ? "within the time limit" : "stopped the program"));
+            CHECK_FALSE(ran.has_results);
+        }
+    }
+}
+
+TEST_CASE("manners: limits that a library lowers are the library's own affair", "[doors]") {
+    in_every_way({"load lower limits", "call lower limits"}, [](const std::string&, const Way&, const Ran& ran) {
+        CHECK(ran.outcome.code == 0);
+        CHECK(ran.has_results);
+        CHECK(ran.outcome.err.empty());
+    });
+}
+
 TEST_CASE("manners: a library of formulas stays in the program, which says so", "[doors]") {
     const Scratch folder;
     const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",

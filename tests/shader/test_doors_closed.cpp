@@ -103,6 +103,18 @@ TEST_CASE("shader: one that runs for ever is ended and named", "[shader-device]"
     CHECK(folder.files() == std::vector<std::string>{"slow.glsl"});
 }
 
+TEST_CASE("shader: a compiler of shaders that is killed leaves no temporary folder", "[shader-device]") {
+    const Scratch folder, temporary;
+    const std::string compiler = folder.write("bin/glslangValidator", "#!/bin/sh\nexec sleep 60\n");
+    fs::permissions(compiler, fs::perms::owner_all);
+    const Outcome o = map_by(folder, examples + "sphere.glsl", "--device vulkan --time-limit 1",
+                             "export TMPDIR='" + temporary.path().string() + "' PATH=\"$PWD/bin:$PATH\";");
+    INFO(o.err);
+    CHECK(o.code == 3);
+    CHECK(has(o.err, "within the time limit"));
+    CHECK(fs::is_empty(temporary.path()));
+}
+
 TEST_CASE("shader: a device that is lost ends the run with a line, and nothing is half-written", "[shader-device]") {
     for (const std::string device : {"opengl", "vulkan"}) {
         for (const std::string silently : {"", "SILENTLY=1 "}) {

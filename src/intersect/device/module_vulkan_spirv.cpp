@@ -1,34 +1,83 @@
 #include "intersect/device/module_vulkan_spirv.hpp"
 
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
-#include <cstdlib>
+#include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "intersect/device/device.hpp"
-#include "intersect/device/temporary_folder.hpp"
+#include "number/error.hpp"
+
+extern char** environ;
 
 namespace lostbits::intersect::device {
 namespace {
 
-namespace fs = std::filesystem;
+/// A file in memory, which ends with the process however that ends: one in a folder would stay where this is killed.
+class MemoryFile {
+public:
+    explicit MemoryFile(std::string_view text = {}) {
+        const int made = memfd_create("lostbits-shader", MFD_CLOEXEC);
+        // Above the numbers that the compiler gets it by.
+        number = made < 0 ? -1 : fcntl(made, F_DUPFD_CLOEXEC, 16);
+        if (made >= 0) close(made);
+        while (number >= 0 && !text.empty()) {
+            const ssize_t written = write(number, text.data(), text.size());
+            if (written <= 0) break;
+            text.remove_prefix(static_cast<std::size_t>(written));
+        }
+        if (number < 0 || !text.empty())
+            throw EnvironmentError(std::string("vulkan: a file in memory cannot be made: ") + std::strerror(errno));
+    }
+    ~MemoryFile() { close(number); }
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
 
-std::string whole_file(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
+    [[nodiscard]] std::string bytes() const {
+        struct stat info {};
+        std::string all(fstat(number, &info) == 0 ? static_cast<std::size_t>(info.st_size) : 0, '\0');
+        const ssize_t got = pread(number, all.data(), all.size(), 0);
+        all.resize(got < 0 ? 0 : static_cast<std::size_t>(got));
+        return all;
+    }
 
-/// A word for the shell.
-std::string quoted(const std::string& word) {
-    std::string text = "'";
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return text + "'";
+    int number = -1;
+};
+
+/// The status of glslang, as waitpid tells it; -1 where neither of its names is one of a program.
+int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const MemoryFile& log, Language language) {
+    constexpr int from = 3, to = 4;
+    const std::string in = "/proc/self/fd/" + std::to_string(from), out = "/proc/self/fd/" + std::to_string(to);
+    for (const char* name : {"glslangValidator", "glslang"}) {
+        std::vector<std::string> words{name, "-V", "-e", entry_of(language), "-S", "comp", "-o", out, in};
+        if (language == Language::hlsl) words.insert(words.begin() + 1, "-D");
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        arguments.push_back(nullptr);
+        posix_spawn_file_actions_t files;
+        posix_spawn_file_actions_init(&files);
+        for (const auto& [own, theirs] : {std::pair(program.number, from),
+                                          {spirv.number, to},
+                                          {log.number, STDOUT_FILENO},
+                                          {log.number, STDERR_FILENO}})
+            posix_spawn_file_actions_adddup2(&files, own, theirs);
+        pid_t process = 0;
+        const int error = posix_spawnp(&process, name, &files, nullptr, arguments.data(), environ);
+        posix_spawn_file_actions_destroy(&files);
+        if (error != 0) continue;
+        int status = 0;
+        while (waitpid(process, &status, 0) < 0 && errno == EINTR) {}
+        return status;
+    }
+    return -1;
 }
 
 /// A constant buffer, a texture or a variable that only a host could set: it has no memory here. Ours begin with lb_.
@@ -51,19 +100,13 @@ void refuse_foreign_resources(const std::vector<std::uint32_t>& code) {
 }  // namespace
 
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language) {
-    const TemporaryFolder folder("lostbits-shader");
-    std::ofstream(folder.path / "program.comp") << text;
-    const std::string command = "cd " + quoted(folder.path.string()) +
-                                " && { command -v glslangValidator || command -v glslang || exit 127; } >/dev/null && "
-                                "$(command -v glslangValidator || command -v glslang) -V " +
-                                (language == Language::hlsl ? "-D " : "") + "-e " + entry_of(language) +
-                                " -S comp -o program.spv program.comp >log 2>&1";
-    const int status = std::system(command.c_str());
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    const MemoryFile program(text), spirv, log;
+    const int status = run_glslang(program, spirv, log, language);
+    if (status == -1)
         throw EnvironmentError(
             "vulkan: glslangValidator is missing (Debian: glslang-tools); it makes SPIR-V of shaders");
-    if (status != 0) throw CompileError(whole_file(folder.path / "log"));
-    const std::string bytes = whole_file(folder.path / "program.spv");
+    if (status != 0) throw CompileError(log.bytes());
+    const std::string bytes = spirv.bytes();
     std::vector<std::uint32_t> code(bytes.size() / sizeof(std::uint32_t));
     std::memcpy(code.data(), bytes.data(), code.size() * sizeof(std::uint32_t));
     if (language == Language::hlsl) refuse_foreign_resources(code);

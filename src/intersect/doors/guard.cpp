@@ -124,9 +124,20 @@ private:
 
 void have_signal_stack() { thread_local const SignalStack here; }
 
+/// Names who it was as well as it can be known: somebody who is inside now.
+void put_back_limits(const char* who) {
+    const char* const refused = process::put_back_limits();
+    if (refused == nullptr) return;
+    for (const Slot& slot : slots)
+        if (who == nullptr) who = slot.who.load();
+    const std::string what = std::string("lowers a hard limit of the program, ") + refused;
+    end(who != nullptr ? who : "a library", what.c_str(), try_child);
+}
+
 [[noreturn]] void watch_over_calls() {
     for (;;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        put_back_limits(nullptr);
         const auto now = Clock::now().time_since_epoch().count();
         for (const Slot& slot : slots) {
             const char* const who = slot.who.load();
@@ -163,7 +174,8 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& comp
 }
 
 InForeignCode::~InForeignCode() {
-    process::put_back_own_state(who_);
+    if (!process::put_back_own_state(who_))
+        end(who_, "closes descriptors that are the program's own", "close what you opened, each by its number");
     const auto left = process::FloatingPoint::current();
     before_.set();
     if (left != computes_)
@@ -180,6 +192,7 @@ AsksInProbe::~AsksInProbe() { probe = nullptr; }
 LoadsForeignCode::~LoadsForeignCode() {
     computes_.set();
     process::put_back_after_loading();
+    put_back_limits(foreign_code_here());
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // that of C, too
 }

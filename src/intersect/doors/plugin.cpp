@@ -10,6 +10,7 @@
 
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/process/child.hpp"
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
@@ -113,8 +114,8 @@ std::string beginning(const fs::path& file, std::size_t size) {
 /// How what is no library would become one; a formula's source needs the program's own headers and flags.
 std::string compiling(const fs::path& source) {
     const bool formula = beginning(source, 65536).find("lostbits_form.hpp") != std::string::npos;
-    return (formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + source.filename().string() + " -o " +
-           source.stem().string() + ".so" + (formula ? " @build/form.flags" : "");
+    return (formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + process::shell_word(source.filename().string()) +
+           " -o " + process::shell_word(source.stem().string() + ".so") + (formula ? " @build/form.flags" : "");
 }
 
 }  // namespace

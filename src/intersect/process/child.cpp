@@ -18,6 +18,7 @@
 #include <mutex>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
@@ -95,6 +96,24 @@ int end_group(int process) {
 
 }  // namespace
 
+std::string shell_word(std::string_view word) {
+    const auto plain = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               std::string_view("_./=,:+-").find(c) != std::string_view::npos;
+    };
+    // zsh looks for a command where a word begins with =.
+    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, plain)) return std::string(word);
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
+std::string shell_command(const ProgramWords& words) {
+    std::string command;
+    for (const std::string& word : words) command += (command.empty() ? "" : " ") + shell_word(word);
+    return command;
+}
+
 std::vector<int> children() {
     std::vector<int> all;
     std::error_code error;
@@ -105,12 +124,21 @@ std::vector<int> children() {
     return all;
 }
 
-Child::Child(std::string command, ChildTerms terms) : command_(std::move(command)), terms_(std::move(terms)) {
+Child::Child(const std::string& command, ChildTerms terms) : terms_(std::move(terms)) {
+    start({"/bin/sh", "-c", command}, Errors::ours);
+}
+
+Child::Child(const ProgramWords& program, ChildTerms terms) : terms_(std::move(terms)) {
+    start(program, Errors::output);
+}
+
+void Child::start(ProgramWords words, Errors errors) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
+    if (errors == Errors::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
     if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedRoom::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
@@ -119,11 +147,12 @@ Child::Child(std::string command, ChildTerms terms) : command_(std::move(command
     sigaddset(&defaults, SIGPIPE);
     posix_spawnattr_setsigdefault(&attributes, &defaults);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    std::string shell = "/bin/sh", flag = "-c";
-    const std::array<char*, 4> arguments{shell.data(), flag.data(), command_.data(), nullptr};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
     int error = 0;
     adopted().own([&] {
-        error = posix_spawn(&process_, shell.c_str(), &files, &attributes, arguments.data(), environ);
+        error = posix_spawnp(&process_, arguments[0], &files, &attributes, arguments.data(), environ);
         return process_;
     });
     posix_spawn_file_actions_destroy(&files);
@@ -165,14 +194,17 @@ void Child::fail(const std::string& what) {
     throw EnvironmentError(terms_.who + ": " + (about_.empty() ? "" : about_ + " ") + what + ended);
 }
 
+void Child::fail_late() {
+    fail("has not answered within the time limit; " + (terms_.duty.empty() ? "" : terms_.duty + "; ") +
+         "raise --time-limit SECONDS where it needs longer");
+}
+
 void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {
     for (;;) {
         terms_.stop.check();
         std::array<pollfd, 2> ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
-        if (left <= 0)
-            fail("has not answered within the time limit; " + (terms_.duty.empty() ? "" : terms_.duty + "; ") +
-                 "raise --time-limit SECONDS where it needs longer");
+        if (left <= 0) fail_late();
         const int ready = poll(ends.data(), ends.size(), static_cast<int>(std::min<decltype(left)>(left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
         if (ready <= 0) continue;
@@ -218,6 +250,28 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
         if (answer.empty()) return;  // it answers before it has read all, or it has ended: the next read says which
         answer = answer.subspan(read_some(answer));
     }
+}
+
+Child::Ended Child::read_to_end() {
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
+    Ended ended{};
+    close(std::exchange(input_, -1));
+    for (std::array<char, 4096> piece;;) {
+        bool can_write = false, can_read = false;
+        wait_for(0, until, can_write, can_read);
+        const ssize_t got = ::read(output_, piece.data(), piece.size());
+        if (got > 0) ended.output.append(piece.data(), static_cast<std::size_t>(got));
+        else if (got == 0 || (errno != EAGAIN && errno != EINTR)) break;
+    }
+    // It may have closed its output and go on.
+    while (!ends_within(process_, std::chrono::milliseconds(20))) {
+        terms_.stop.check();
+        if (Clock::now() > until) fail_late();
+    }
+    ended.status = end_group(process_);
+    process_ = -1;
+    return ended;
 }
 
 void Child::read(std::span<std::byte> answer) { exchange({}, answer); }

@@ -4,9 +4,11 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -16,6 +18,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "number/error.hpp"
 
@@ -24,12 +27,28 @@ namespace {
 
 constexpr std::array<int, 3> stopping{SIGINT, SIGTERM, SIGHUP};
 
+using Resource = std::decay_t<decltype(RLIMIT_AS)>;  // glibc's own type, or int
+struct Limit {
+    Resource number;
+    const char* name;
+};
+constexpr std::array limits{Limit{RLIMIT_AS, "the size of memory (ulimit -v)"},
+                            Limit{RLIMIT_CORE, "the size of a core file (ulimit -c)"},
+                            Limit{RLIMIT_CPU, "the time on a processor (ulimit -t)"},
+                            Limit{RLIMIT_DATA, "the size of data (ulimit -d)"},
+                            Limit{RLIMIT_FSIZE, "the size of files (ulimit -f)"},
+                            Limit{RLIMIT_NOFILE, "the number of open files (ulimit -n)"},
+                            Limit{RLIMIT_NPROC, "the number of processes (ulimit -u)"},
+                            Limit{RLIMIT_STACK, "the size of the stack (ulimit -s)"}};
+
 struct OwnState {
     pid_t process = 0;
     int folder = -1;
     mode_t umask = 0;
     sigset_t mask{};
     std::array<struct sigaction, stopping.size()> actions{};
+    struct stat folder_is {};
+    std::array<rlimit, limits.size()> had{};
 };
 OwnState kept;
 /// Never destroyed: what runs at the end asks, too.
@@ -45,6 +64,8 @@ void keep_own_state() {
     if (is_kept.load()) return;
     kept.process = getpid();
     kept.folder = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (kept.folder >= 0) fstat(kept.folder, &kept.folder_is);
+    for (std::size_t i = 0; i < limits.size(); ++i) getrlimit(limits[i].number, &kept.had[i]);
     kept.umask = umask(0);
     umask(kept.umask);
     pthread_sigmask(SIG_SETMASK, nullptr, &kept.mask);
@@ -74,8 +95,8 @@ void give_thread_own_folder() noexcept {
     static_cast<void>(refused);  // by a sandbox
 }
 
-void put_back_own_state(const char* who) noexcept {
-    if (!is_kept.load()) return;
+bool put_back_own_state(const char* who) noexcept {
+    if (!is_kept.load()) return true;
     if (is_forked.load() && is_a_copy()) {
         for (const char* part : {"lostbits: ", who != nullptr ? who : "a library",
                                  ": made a copy of this program (fork) that came back from the call as if it were the "
@@ -84,7 +105,25 @@ void put_back_own_state(const char* who) noexcept {
         }
         _exit(static_cast<int>(Exit::environment));
     }
-    if (kept.folder >= 0) static_cast<void>(fchdir(kept.folder));
+    if (kept.folder < 0 || fchdir(kept.folder) == 0) return true;
+    // A folder that may not be entered any more is no fault of the code.
+    struct stat now {};
+    return fstat(kept.folder, &now) == 0 && now.st_dev == kept.folder_is.st_dev && now.st_ino == kept.folder_is.st_ino;
+}
+
+const char* put_back_limits() noexcept {
+    if (!is_kept.load()) return nullptr;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+        const Resource resource = limits[i].number;
+        const rlimit& own = kept.had[i];
+        rlimit now{};
+        if (getrlimit(resource, &now) != 0 || (now.rlim_cur >= own.rlim_cur && now.rlim_max >= own.rlim_max)) continue;
+        if (setrlimit(resource, &own) == 0) continue;
+        // Up to what is left of the hard limit; enough of it is enough.
+        const rlimit most{std::min(own.rlim_cur, now.rlim_max), now.rlim_max};
+        if (setrlimit(resource, &most) != 0 || most.rlim_cur < own.rlim_cur) return limits[i].name;
+    }
+    return nullptr;
 }
 
 void put_back_after_loading() noexcept {

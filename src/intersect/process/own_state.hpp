@@ -3,8 +3,8 @@
 
 namespace lostbits::intersect::process {
 
-/// Remembers the process, its working folder, its environment, its umask and what it does about signals that ask it to
-/// stop. Before anything foreign is loaded; later calls change nothing.
+/// Remembers the process, its working folder, its environment, its umask, its limits (`ulimit`) and what it does about
+/// signals that ask it to stop. Before anything foreign is loaded; later calls change nothing.
 void keep_own_state();
 
 /// Whether it was called: whatever is odd from then on may be a library's doing.
@@ -23,8 +23,14 @@ void give_thread_own_folder() noexcept;
 
 /// After foreign code has returned: the working folder is set back. Where the code has made a copy of
 /// the process and the copy returned, too, the copy ends here, with a line that begins with `who`: it would otherwise
-/// measure and write as the process itself does. Nothing before `keep_own_state`.
-void put_back_own_state(const char* who) noexcept;
+/// measure and write as the process itself does. Nothing before `keep_own_state`. False where the code has closed
+/// descriptors that are the process's own: results may be written to another file since.
+[[nodiscard]] bool put_back_own_state(const char* who) noexcept;
+
+/// Limits that foreign code has lowered are as they were: after a library was loaded, ten times a second, and before a
+/// file is opened. Their name where the system refuses that (a hard limit can be lowered, and raised by root alone),
+/// else null. Async-signal-safe.
+const char* put_back_limits() noexcept;
 
 /// After a library was loaded: also the umask, the mask of signals, and what SIGINT, SIGTERM and SIGHUP do. (A call to
 /// the system for each of them after every batch of a thousand rays would be a tenth of a quick form's time.)

@@ -22,20 +22,35 @@ std::string in_brackets(const std::string& text) {
     return all.append(text).append(")");
 }
 
+/// Letters in math mode: what a label holds is shown, and nothing of it is a command.
+std::string latex_letters(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) out += ' ';
+        else if (c == '\\') out += "\\backslash{}";
+        else if (c == '~') out += "\\sim{}";
+        else if (c == '^') out += "\\hat{}";
+        else if (std::string_view("_{}$&#%").find(c) != std::string_view::npos) out.append("\\").push_back(c);
+        else out += c;
+    }
+    return out;
+}
+
 /// `centre.x`, `tmin2`, `hit_eps`, `A^-1_2` in math mode: \mathit{centre}_{x}, \mathit{tmin}_{2}, \mathit{hit\_eps},
 /// A^{-1}_{2}.
 std::string in_latex(const std::string& name) {
     if (const auto hat = name.find('^'); hat != std::string::npos) {
         const auto end = std::min(name.find('_', hat), name.size());
-        const std::string power = in_latex(name.substr(0, hat)) + "^{" + name.substr(hat + 1, end - hat - 1) + "}";
-        return end == name.size() ? power : power + "_{" + name.substr(end + 1) + "}";
+        const std::string power =
+            in_latex(name.substr(0, hat)) + "^{" + latex_letters(name.substr(hat + 1, end - hat - 1)) + "}";
+        return end == name.size() ? power : power + "_{" + latex_letters(name.substr(end + 1)) + "}";
     }
     const auto digits = name.find_last_not_of("0123456789") + 1;
     const std::string base = vector_of(name);
-    std::string stem = base.empty() ? name.substr(0, digits) : base,
-                index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1), escaped;
+    const std::string stem = base.empty() ? name.substr(0, digits) : base,
+                      index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1);
     if (stem.empty()) return name;
-    for (const char c : stem) escaped += c == '_' ? "\\_" : std::string(1, c);
+    std::string escaped = latex_letters(stem);
     if (stem.size() > 1 && stem[1] != '\'') escaped = "\\mathit{" + escaped + "}";
     return index.empty() ? escaped : escaped + "_{" + index + "}";
 }
@@ -134,7 +149,7 @@ void TapeText::name_all() {
 std::string TapeText::shown(NodeId i) const { return style_ == Style::latex ? in_latex(name(i)) : name(i); }
 
 std::string TapeText::vector_shown(const std::string& base) const {
-    return style_ == Style::latex ? "\\mathbf{" + base + "}" : base;
+    return style_ == Style::latex ? "\\mathbf{" + latex_letters(base) + "}" : base;
 }
 
 std::string TapeText::identifier(NodeId i) const {
@@ -179,7 +194,7 @@ std::string TapeText::vector_text(const Triple& v, bool alone) const {
     if (found != vectors_.end()) return vector_shown(found->second);
     const std::string base = vector_of(name(v[0]));  // named by the formula, or by the watch of a march
     if (!base.empty() && vector_of(name(v[1])) == base && vector_of(name(v[2])) == base) return vector_shown(base);
-    return in_brackets(name(v[0]) + ", " + name(v[1]) + ", " + name(v[2]));
+    return in_brackets(shown(v[0]) + ", " + shown(v[1]) + ", " + shown(v[2]));
 }
 
 std::string TapeText::operand(NodeId i, int binds) const {

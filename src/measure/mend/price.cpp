@@ -5,7 +5,6 @@
 #include <cctype>
 #include <deque>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "intersect/device/temporary_folder.hpp"
@@ -119,37 +118,32 @@ std::vector<doors::Formula> placed_rows(const fs::path& library, const std::vect
     return formulas;
 }
 
-/// A folder while the compiler works.
-class Bench {
-public:
-    Bench() : folder(intersect::device::make_temporary_folder("lostbits-mend")) {}
-    ~Bench() {
-        std::error_code ignored;
-        fs::remove_all(folder, ignored);
-    }
-    Bench(const Bench&) = delete;
-    Bench& operator=(const Bench&) = delete;
-
-    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
-    [[nodiscard]] std::string read(const std::string& name) const {
-        std::ifstream in(folder / name);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
-
-    const fs::path folder;
-};
-
-std::string quoted(const fs::path& path) {
-    std::string text = "'";
-    for (const char c : path.string()) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return text + "'";
+void write(const fs::path& file, const std::string& text) {
+    std::ofstream out(file, std::ios::binary);
+    if (!(out << text).flush())
+        throw EnvironmentError(file.string() + ": cannot write; set TMPDIR to a folder that has room");
 }
 
-void run_compiler(const Bench& bench, const std::string& command, const MendRequest& request) {
-    intersect::process::Child child("cd " + quoted(bench.folder) + " && (" + command + ") >said 2>&1; echo $?",
-                                    {.who = "the compiler", .duty = "", .seconds = 600, .stop = request.limit.stop});
-    if (child.read_line() == "0") return;
-    throw EnvironmentError(command + ": " + bench.read("said"));
+/// EnvironmentError with what the compiler said.
+void run_compiler(const intersect::process::ProgramWords& words, const MendRequest& request) {
+    intersect::process::Child child(words,
+                                    {.who = words.front(), .duty = "", .seconds = 600, .stop = request.limit.stop});
+    const auto ended = child.read_to_end();
+    if (ended.status == 0) return;
+    const std::string why = ended.output.empty() ? "ended without a word" : ended.output;
+    throw EnvironmentError(intersect::process::shell_command(words) + ": " + why);
+}
+
+/// What was made here and cannot be loaded is the machine's doing, not what anybody typed.
+template <class Load>
+auto load_made(const fs::path& library, const Load& load) {
+    try {
+        return load(library);
+    } catch (const InputError& refused) {
+        throw EnvironmentError(std::string(refused.what()) +
+                               "; programs may not be run from there (noexec) or its memory is short: set TMPDIR to "
+                               "another folder");
+    }
 }
 
 std::string source_of(const std::vector<Written>& forms) {
@@ -181,22 +175,23 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
         throw EnvironmentError((workshop.flags / "form.flags").string() +
                                ": not there, and so nobody knows how forms are compiled for this program; a build of "
                                "lostbits has it, and an installed one in lib/lostbits");
-    const Bench bench;
-    for (std::size_t k = 0; k < forms.size(); ++k) bench.write("mended" + std::to_string(k) + ".hpp", forms[k].header);
-    bench.write("mended.cpp", source_of(forms));
-    const auto flags = [&](const std::string& name) { return " @" + quoted(workshop.flags / name); };
-    const std::string isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
-    std::string packs;
+    const intersect::device::TemporaryFolder bench("lostbits-mend");
+    const auto path = [&](const std::string& name) { return (bench.path / name).string(); };
+    const auto flags = [&](const std::string& name) { return "@" + (workshop.flags / name).string(); };
+    for (std::size_t k = 0; k < forms.size(); ++k) write(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
+    const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
+                      isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
+    write(source, source_of(forms));
+    intersect::process::ProgramWords link{workshop.compiler, "-shared", source};
     if (fs::exists(workshop.flags / isa)) {
         // What is linked stands in the same file, and is not used yet.
-        run_compiler(bench, workshop.compiler + " -c mended.cpp -o packs.o" + flags("form.flags") + flags(isa),
-                     request);
-        packs = " packs.o";
+        run_compiler({workshop.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
+        link.push_back(packs);
     }
-    run_compiler(bench, workshop.compiler + " -shared mended.cpp" + packs + " -o mended.so" + flags("form.flags"),
-                 request);
-    const fs::path library = bench.folder / "mended.so";
-    auto formulas = are_placed(forms) ? placed_rows(library, forms) : intersect::doors::load_formulas(library);
+    link.insert(link.end(), {"-o", library, flags("form.flags")});
+    run_compiler(link, request);
+    auto formulas = are_placed(forms) ? load_made(library, [&](const fs::path& at) { return placed_rows(at, forms); })
+                                      : load_made(library, doors::load_formulas);
     for (std::size_t k = 0; k < forms.size(); ++k) {
         const evaluate::TestedForm& from = forms[k].from;
         MendRequest asked = request;

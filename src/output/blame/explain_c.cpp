@@ -53,7 +53,7 @@ private:
         const std::string comment =
             n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
                 ? ""
-                : fmt::format("  /* {}{} */", text_.definition(i), n.op == TapeOp::call ? call : "");
+                : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)), n.op == TapeOp::call ? call : "");
         const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
         return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), value(i), comment);
     }

@@ -5,23 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
+#include "intersect/process/child.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 
-std::string shell_word(std::string_view word) {
-    const auto plain = [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-               std::string_view("_./=,:+-").find(c) != std::string_view::npos;
-    };
-    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, plain)) return std::string(word);
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
+std::string shell_word(std::string_view word) { return intersect::process::shell_word(word); }
 
 std::string name_of_pixel(const std::string& scene, int x, int y) {
     return fmt::format("{} --pixel {},{}", scene, x, y);

@@ -33,7 +33,7 @@ std::string metric_option(const Claim& c) {
     const auto label = metric.find('_');
     return label == std::string::npos
                ? " --metric " + metric
-               : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
+               : " --metric " + shell_word(fmt::format("{}:{}", metric.substr(0, label), metric.substr(label + 1)));
 }
 
 /// `options` of the command's own stand before those of the form, `more` behind them.

@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/files_of_run.hpp"
@@ -128,6 +129,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(
         if (error) refuse(path, "cannot follow the link", error.value());
     }
     require_own(path);
+    intersect::process::put_back_limits();
     make_parent(final_);
     if (::stat(final_.c_str(), &info) == 0) {
         if (S_ISDIR(info.st_mode)) refuse(path, "cannot write", EISDIR);
@@ -216,6 +218,7 @@ std::int64_t AtomicFile::tell() const noexcept { return file_position_ + static_
 
 void AtomicFile::commit() {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");
+    intersect::process::put_back_limits();
     flush();
     buffer_.reset();
     // On the disk before it has its name: after a crash of the machine some file systems would show an empty file under

@@ -150,4 +150,42 @@ std::string c_comment(std::string_view text) {
     return out;
 }
 
+std::string line_comment(std::string_view text) {
+    std::string line = plain_line(text);
+    // GCC joins lines also where blanks stand behind the backslash.
+    const std::string_view ended = std::string_view(line).substr(0, line.find_last_not_of(' ') + 1);
+    return ended.ends_with('\\') || ended.ends_with("?\?/") ? line + "." : line;
+}
+
+std::string c_string(std::string_view text) {
+    std::string out = "\"";
+    const auto add_bytes = [&out](std::string_view bytes) {
+        // Three digits always: a digit may come next.
+        for (const char c : bytes) out += fmt::format("\\{:03o}", static_cast<unsigned char>(c));
+    };
+    for (std::size_t at = 0; at < text.size();) {
+        const auto [code, size] = first_character(text.substr(at));
+        const std::string_view character = text.substr(at, std::max<std::size_t>(size, 1));
+        const bool may_be_trigraph = code == '?' && at > 0 && text[at - 1] == '?';
+        if (size == 0 || is_obeyed(code)) add_bytes(character);
+        else if (code == '"' || code == '\\' || may_be_trigraph) out.append("\\").append(character);
+        else out += character;
+        at += character.size();
+    }
+    return out + '"';
+}
+
+std::string toml_string(std::string_view text) {
+    std::string out = "\"";
+    const std::string valid = valid_utf8(text);
+    for (std::string_view rest = valid; !rest.empty();) {
+        const auto [code, size] = first_character(rest);
+        if (is_obeyed(code)) out += fmt::format("\\u{:04X}", static_cast<unsigned>(code));  // none is above U+FFFF
+        else if (code == '"' || code == '\\') out.append("\\").append(rest.substr(0, size));
+        else out += rest.substr(0, size);
+        rest.remove_prefix(size);
+    }
+    return out + '"';
+}
+
 }  // namespace lostbits::output::file

@@ -1,5 +1,6 @@
 // Text that users write, for where it goes: one function per kind of output. `csv_field` (csv.hpp), `html`
-// (page/text.hpp), `shell_word` (blame/explain_command.hpp) and nlohmann's JSON are the others.
+// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit`
+// (measure/blame/tape_text.hpp) and nlohmann's JSON are the others.
 #pragma once
 
 #include <string>
@@ -36,7 +37,17 @@ namespace lostbits::output::file {
 /// The value of `file=`, `line=` or `title=` of such a command.
 [[nodiscard]] std::string workflow_value(std::string_view text);
 
-/// Inside a comment of C.
+/// Inside a comment of C, between `/*` and `*/`.
 [[nodiscard]] std::string c_comment(std::string_view text);
+
+/// Behind `//` in C, C++ and GLSL: one line, which neither a backslash nor a trigraph at its end joins to the next.
+/// Every other character stays, so that a command can be copied from it.
+[[nodiscard]] std::string line_comment(std::string_view text);
+
+/// A literal of C and of C++, quotation marks included, from which a compiler reads the same bytes back.
+[[nodiscard]] std::string c_string(std::string_view text);
+
+/// A basic string of TOML, quotation marks included. Bytes that are not UTF-8, which no TOML holds, are U+FFFD.
+[[nodiscard]] std::string toml_string(std::string_view text);
 
 }  // namespace lostbits::output::file

@@ -187,7 +187,8 @@ std::string read_file(const std::filesystem::path& path) {
     }
     if (in.is_open() && !in.bad()) return text;
     const std::string what = path.string() + ": cannot read: " + std::strerror(errno);
-    if (errno == ENOENT || errno == ENOTDIR) throw InputError(what + "; give an existing file");
+    if (errno == ENOENT || errno == ENOTDIR || errno == ELOOP || errno == ENAMETOOLONG)
+        throw InputError(what + "; give an existing file");
     throw EnvironmentError(what + "; check the permissions");
 }
 

@@ -124,6 +124,7 @@ ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
         else earlier_.merge(made.files);
     }
     refuse_strange_list();
+    if (!rules_.keep) refuse_lasting_results();
     if (!rules_.force && !rules_.shared) refuse_strange_results();
     if (!rules_.keep) {
         for (const std::string& name : earlier_) scene::toml::note_written(folder_ / name);
@@ -145,7 +146,8 @@ ResultFolder::~ResultFolder() {
         const std::lock_guard lock(owned().mutex);
         std::erase(owned().folders, this);
     }
-    finish();
+    if (std::uncaught_exceptions() <= exceptions_) static_cast<void>(remove_marker());
+    if (marker_ >= 0) ::close(marker_);
     if (lock_ >= 0) ::close(lock_);
     std::error_code ignored;
     for (const auto& part : made_) fs::remove(part, ignored);  // one that is not empty stays
@@ -197,8 +199,30 @@ void ResultFolder::refuse_strange(const std::string& name) {
                                             : fmt::format("is not in the {} of its folder", list_name)));
 }
 
-void ResultFolder::clear_earlier() const {
+namespace {
+
+EnvironmentError lasting(const fs::path& path, const std::string& why) {
+    return EnvironmentError(fmt::format(
+        "{}: is a result of an earlier run and cannot be removed: {}; it would stand among those of this run: remove "
+        "it, or choose another -o",
+        path.string(), why));
+}
+
+}  // namespace
+
+/// As far as the permissions of folders tell, before there is any work.
+void ResultFolder::refuse_lasting_results() const {
     std::error_code ignored;
+    for (const std::string& name : earlier_) {
+        const fs::path path = folder_ / name;
+        if (fs::is_regular_file(fs::symlink_status(path, ignored)) &&
+            ::access(path.parent_path().c_str(), W_OK | X_OK) != 0)
+            throw lasting(path, std::generic_category().message(errno));
+    }
+}
+
+void ResultFolder::clear_earlier() const {
+    std::error_code ignored, error;
     const fs::path real = fs::canonical(folder_, ignored);
     for (const std::string& name : earlier_) {
         const fs::path path = folder_ / name;
@@ -206,7 +230,8 @@ void ResultFolder::clear_earlier() const {
         const fs::path parent = fs::canonical(path.parent_path(), ignored);
         if (ignored || name_in(real, parent / "x").empty() || !fs::is_regular_file(fs::symlink_status(path, ignored)))
             continue;
-        fs::remove(path, ignored);
+        fs::remove(path, error);
+        if (error) throw lasting(path, error.message());
         for (auto empty = path.parent_path(); empty != folder_ && fs::is_empty(empty, ignored);
              empty = empty.parent_path())
             fs::remove(empty, ignored);
@@ -238,11 +263,21 @@ void ResultFolder::begin() {
     if (!rules_.keep) clear_earlier();
 }
 
-void ResultFolder::finish() noexcept {
-    if (marker_ < 0) return;
-    if (std::uncaught_exceptions() <= exceptions_) ::unlink((folder_ / marker_name).c_str());
+/// 0, or why it could not be removed.
+int ResultFolder::remove_marker() noexcept {
+    if (marker_ < 0) return 0;
+    const int error_number = ::unlink((folder_ / marker_name).c_str()) == 0 ? 0 : errno;
     ::close(marker_);
     marker_ = -1;
+    return error_number;
+}
+
+void ResultFolder::complete() {
+    const std::lock_guard lock(mutex_);
+    if (const int error_number = remove_marker(); error_number != 0)
+        throw EnvironmentError(fmt::format("{}: cannot be removed: {}; the results beside it are whole, remove it",
+                                           (folder_ / marker_name).string(),
+                                           std::generic_category().message(error_number)));
 }
 
 void ResultFolder::note(const std::string& name) {
@@ -296,8 +331,11 @@ std::string words_of_forms(const MadeBy& by) {
 }
 
 void forget_result(const fs::path& path) {
-    std::error_code ignored;
-    fs::remove(path, ignored);
+    std::error_code error;
+    fs::remove(path, error);
+    if (error)
+        throw EnvironmentError(fmt::format("{}: is not needed any more and cannot be removed: {}; remove it",
+                                           path.string(), error.message()));
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->forget(name);
 }

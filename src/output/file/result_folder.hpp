@@ -46,13 +46,18 @@ public:
     };
 
     /// InputError where the folder holds results that no list names, and where another run writes there;
-    /// EnvironmentError where it cannot be made.
+    /// EnvironmentError where it cannot be made, and where results of an earlier run cannot be removed.
     ResultFolder(std::filesystem::path folder, MadeBy made_by, Rules rules);
     /// The results are complete, unless an exception is on its way. A folder that was made for it and is empty goes
     /// again.
     ~ResultFolder();
     ResultFolder(const ResultFolder&) = delete;
     ResultFolder& operator=(const ResultFolder&) = delete;
+
+    /// The results are whole, and the folder says so from here on, whatever becomes of the run: whoever prints
+    /// something about them calls it before, since a reader that is gone (`| head`) ends the program there.
+    /// EnvironmentError where the folder would go on to say that it is not finished.
+    void complete();
 
     /// What the folder's list says made it; nothing where there is no list, or none of ours.
     [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
@@ -74,7 +79,8 @@ private:
     void forget(const std::string& name);
     void write_list();
     void begin();
-    void finish() noexcept;
+    [[nodiscard]] int remove_marker() noexcept;
+    void refuse_lasting_results() const;
     void clear_earlier() const;
 
     std::filesystem::path folder_;  // absolute, normal

@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
+#include <set>
+#include <sstream>
 
 #include "measure/blame/operations.hpp"
+#include "output/file/escape.hpp"
 #include "output/mend/tape_code.hpp"
 
 namespace lostbits::output::mend {
@@ -14,14 +18,27 @@ using intersect::table::Intersector;
 
 namespace {
 
+/// Words that no label may be called by: those of C++, and what the code calls or takes.
+std::set<std::string, std::less<>> words_of_cpp(const ShapeRow& shape) {
+    std::istringstream words(R"(
+        o d T W ray tmax wide narrow min max abs matrix sqrt fma near far select square named copysign next_up next_down
+        alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
+        co_await co_return co_yield compl concept const consteval constexpr constinit const_cast continue decltype
+        default delete do double dynamic_cast else enum explicit export extern false float for friend goto if inline int
+        long mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+        reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch template
+        this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t
+        while xor xor_eq)");
+    std::set<std::string, std::less<>> taken{std::istream_iterator<std::string>(words), {}};
+    taken.emplace(shape.name);
+    return taken;
+}
+
 class CppCode final : public TapeCode {
 public:
     CppCode(const Tape& tape, const Intersector& form, const CppCode* like = nullptr)
         : TapeCode(tape, form, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far},
-                   {fmt::format("{}.", row_of(form.shape).name),
-                    {"o",    "d",   "T",    "W",   "ray", "tmax", "wide", "narrow", "min",    "max",    "abs", "matrix",
-                     "sqrt", "fma", "auto", "and", "or",  "not",  "near", "far",    "select", "square", "int"}},
-                   like) {}
+                   {fmt::format("{}.", row_of(form.shape).name), words_of_cpp(row_of(form.shape))}, like) {}
 
     [[nodiscard]] std::vector<std::string> lines() const {
         std::vector<std::string> all = statements();
@@ -39,8 +56,9 @@ private:
         const TapeNode& n = tape_[i];
         const bool decides = is_decision(n.op);
         const std::string type = decides ? "auto" : is_wide(i) ? "W" : "T";
-        const std::string value =
-            n.label.empty() || decides ? expression(i) : fmt::format("named(\"{}\", {})", n.label, expression(i));
+        const std::string value = n.label.empty() || decides
+                                      ? expression(i)
+                                      : fmt::format("named({}, {})", file::c_string(n.label), expression(i));
         return fmt::format("const {} {} = {};", type, name(i), value);
     }
     [[nodiscard]] std::string constant(NodeId i) const override {
@@ -75,8 +93,9 @@ std::string words_of(intersect::Roots roots) {
 
 std::string info_of(const intersect::Info& like, const FormWords& words) {
     using namespace intersect;
-    std::string text = fmt::format("        .name = \"{}\",\n        .title = \"{}\",\n        .source = \"{}\",\n",
-                                   words.name, words.title, words.source);
+    std::string text =
+        fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(words.name),
+                    file::c_string(words.title), file::c_string(words.source));
     const auto add = [&](bool differs, const std::string& line) {
         if (differs) text += "        " + line + ",\n";
     };
@@ -100,6 +119,12 @@ std::vector<std::string> statements(const Tape& tape, const Intersector& form, c
     if (!like) return CppCode(tape, form).lines();
     const CppCode other(*like, form);
     return CppCode(tape, form, &other).lines();
+}
+
+std::string head_comment(const FormWords& words) {
+    std::string text;
+    for (const std::string& line : words.head) text += "// " + file::line_comment(line) + "\n";
+    return text;
 }
 
 std::string type_name(const std::string& form) {
@@ -139,7 +164,7 @@ std::string form_header(const Tape& tape, const Intersector& like, const FormWor
         "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}{}) {{\n{}"
         "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
         "lostbits::intersect::{}\n",
-        words.comment, like.is_placed ? "#include <array>\n\n" : "",
+        head_comment(words), like.is_placed ? "#include <array>\n\n" : "",
         words.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
         type_name(words.name.substr(words.name.find('.') + 1)), info_of(*like.info, words), solid, shape.name,
         like.is_placed ? ", const std::array<T, 12>& matrix" : "", shape.told_end ? ", const T& tmax" : "", ways,

@@ -21,10 +21,13 @@ std::vector<std::string> statements(const Tape& tape, const intersect::table::In
 struct FormWords {
     std::string name;  ///< `shape.form`
     std::string title, source;
-    std::string comment;         ///< what stands at the head, a line each
-    bool two_words = false;      ///< W is two numbers of T, not the next wider one
-    bool binary32_only = false;  ///< it goes to a wider number that other formats have not
+    std::vector<std::string> head;  ///< lines of a comment at the beginning
+    bool two_words = false;         ///< W is two numbers of T, not the next wider one
+    bool binary32_only = false;     ///< it goes to a wider number that other formats have not
 };
+
+/// The head of a file of C++ or GLSL: each line behind `//`.
+std::string head_comment(const FormWords& words);
 
 /// `half_b_mended` as `HalfBMended`.
 std::string type_name(const std::string& form);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "number/error.hpp"
 #include "output/choice/choice_files.hpp"
@@ -233,16 +234,17 @@ namespace {
 FormWords words_of(const MendResult& r, const Proposal& proposal, const std::string& name, const std::string& command) {
     const auto& m = r.mended;
     const std::string own(r.request.row.form->info->name), how = how_in_words(r, proposal);
-    const char* const matrix = !r.request.row.form->is_placed ? ""
-                               : are_inverses(r.request)
-                                   ? "// The matrix leads from the world to the solid, row by row.\n"
-                                   : "// The matrix leads from the solid to the world, row by row.\n";
+    std::vector<std::string> head{fmt::format("{}, {}:", own, how),
+                                  fmt::format("{} on every {} of {}.", choice::in_words(r.request.wish),
+                                              r.request.scene ? "pixel" : "ray kept", r.request.id()),
+                                  "Made by " + command};
+    if (r.request.row.form->is_placed)
+        head.emplace_back(are_inverses(r.request) ? "The matrix leads from the world to the solid, row by row."
+                                                  : "The matrix leads from the solid to the world, row by row.");
     return {.name = name,
             .title = own + ", " + how,
             .source = command,
-            .comment = fmt::format("// {}, {}:\n// {} on every {} of {}.\n// Made by {}\n{}", own, how,
-                                   choice::in_words(r.request.wish), r.request.scene ? "pixel" : "ray kept",
-                                   r.request.id(), command, matrix),
+            .head = std::move(head),
             .two_words = m.wider != binary64,
             .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
 }

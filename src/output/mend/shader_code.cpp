@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
 #include "measure/blame/operations.hpp"
 #include "number/error.hpp"
+#include "output/file/escape.hpp"
 #include "output/mend/tape_code.hpp"
 
 namespace lostbits::output::mend {
@@ -244,7 +246,19 @@ std::string contract_of(const intersect::Info& like, const FormWords& words) {
     if (like.facing != Facing::both)
         text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(like.facing)]);
     if (like.endless) text += " flags=no_end";
-    return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, words.title);
+    std::string title = file::line_comment(words.title);
+    std::ranges::replace(title, '"',
+                         '\'');  // quotation marks hold the words of a value together, and nothing escapes one
+    return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, title);
+}
+
+/// The head, without the mark by which `--shader` takes the rest of a line for properties of the function.
+std::string head_without_mark(const FormWords& words) {
+    std::string head = head_comment(words);
+    const std::string mark = "lostbits:";
+    for (std::size_t at = 0; (at = head.find(mark, at)) != std::string::npos; at += mark.size())
+        head.insert(at + mark.size() - 1, " ");
+    return head;
 }
 
 }  // namespace
@@ -269,8 +283,9 @@ std::string shader_code(const Tape& tape, const Intersector& like, const FormWor
         if (calls(body) || calls(functions)) functions = std::string(helper->text) + "\n" + functions;
     }
     const std::string name = taken_words(row_of(like.shape)).contains(words.name) ? words.name + "_" : words.name;
-    return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", words.comment, contract_of(*like.info, words),
-                       functions, name, parameters_of(row_of(like.shape)), tells_t ? ", out float first" : "", body);
+    return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(words),
+                       contract_of(*like.info, words), functions, name, parameters_of(row_of(like.shape)),
+                       tells_t ? ", out float first" : "", body);
 }
 
 }  // namespace lostbits::output::mend

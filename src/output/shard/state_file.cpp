@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view heading = "lostbits-shard/2";
+constexpr std::string_view heading = "lostbits-shard/3";
 
 template <class Whole>
 std::string_view bytes_of(const Whole& x) {
@@ -27,9 +27,21 @@ bool parse(std::string_view text, Whole& x, int base = 10) {
     return error == std::errc{} && stop == text.data() + text.size();
 }
 
-/// One line of text: what a path may hold must not end it.
-std::string on_one_line(std::string text) {
-    for (char& c : text) c = c == '\n' ? ' ' : c;
+/// One line of text: a line break that a path holds is `\n` there, and a backslash is two.
+std::string on_one_line(std::string_view text) {
+    std::string line;
+    for (const char c : text) line += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
+    return line;
+}
+
+/// The text that was written so.
+std::string from_one_line(std::string_view line) {
+    std::string text;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const bool is_escaped = line[i] == '\\' && i + 1 < line.size();
+        if (is_escaped) ++i;
+        text += is_escaped && line[i] == 'n' ? '\n' : line[i];
+    }
     return text;
 }
 
@@ -117,7 +129,7 @@ std::string StateFileReader::line(std::string_view name) {
 void StateFileReader::read_head() {
     const std::string rest = line(heading);
     head_.program = line("program");
-    head_.command = line("command");
+    head_.command = from_one_line(line("command"));
     if (!rest.empty() || !parse(line("inputs"), head_.inputs, 16)) damaged();
     const std::string shard = line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);

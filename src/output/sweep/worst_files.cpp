@@ -9,6 +9,7 @@
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -24,17 +25,6 @@ using measure::sweep::WorstRequest;
 namespace {
 
 std::string hex_list(std::span<const double> x) { return "[\"" + file::listed(x, file::hex, "\", \"") + "\"]"; }
-
-/// A TOML basic string: a title may hold quotes.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-        else out += c;
-    }
-    return out + '"';
-}
 
 std::string solid_text(const Solid<double>& solid) {
     std::string keys;
@@ -52,7 +42,8 @@ std::string solid_text(const Solid<double>& solid) {
 }  // namespace
 
 std::string head_of_cases(const std::string& title, const std::string& source) {
-    return fmt::format("schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted(title), quoted(source));
+    return fmt::format("schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", file::toml_string(title),
+                       file::toml_string(source));
 }
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
@@ -69,9 +60,9 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& one)
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
     const Range<double> range = one.rays.range(0);
     const std::string_view open = name_of(range.open);
-    return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n", quoted(name),
-                       open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open), solids, hex_list(origin),
-                       hex_list(direction),
+    return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n",
+                       file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open), solids,
+                       hex_list(origin), hex_list(direction),
                        range.tmin == 0 ? "" : fmt::format(", tmin = \"{}\"", file::hex(range.tmin)),
                        std::isinf(range.tmax) ? "" : fmt::format(", tmax = \"{}\"", file::hex(range.tmax)));
 }

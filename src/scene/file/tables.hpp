@@ -18,11 +18,15 @@ class StoredNumbers {
 public:
     explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
 
+    static constexpr std::string_view overflow_words =
+        "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"";
+
+    [[nodiscard]] bool overflows(const Real& x) const {
+        return shared_ && std::isinf(toml::round_to_format(x, binary32));
+    }
+
     Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
-        if (shared_ && std::isinf(toml::round_to_format(x, binary32)))
-            table.fail_at(
-                key,
-                "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"");
+        if (overflows(x)) table.fail_at(key, std::string(overflow_words));
         return x;
     }
 

@@ -1,5 +1,10 @@
 #include <boost/math/constants/constants.hpp>
 
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <vector>
+
 #include "scene/file/tables.hpp"
 #include "shapes/given_matrix.hpp"
 
@@ -73,28 +78,60 @@ Map read_look_at(TableReader table) {
     return of_columns(x, cross(z, x), z, from);
 }
 
+/// What the keys of a table make together, and what was made up to each of them: a number that cannot be stored is the
+/// fault of the key that brought it.
+class Steps {
+public:
+    void add(const TableReader& table, std::string_view key, const Map& next) {
+        steps_.push_back({table, key, composed(next, map_)});
+        map_ = steps_.back().until_here;
+    }
+    void add(const Steps& inner) {
+        for (const Step& step : inner.steps_) steps_.push_back({step.table, step.key, composed(step.until_here, map_)});
+        map_ = composed(inner.map_, map_);
+    }
+    [[nodiscard]] const Map& map() const { return map_; }
+
+    /// Fails where `is_wrong` holds of what all of them make: at the key since which it does.
+    template <class IsWrong>
+    void refuse(const IsWrong& is_wrong, const std::string& message) const {
+        if (!is_wrong(map_) || steps_.empty()) return;
+        auto since = steps_.rbegin();
+        while (std::next(since) != steps_.rend() && is_wrong(std::next(since)->until_here)) ++since;
+        since->table.fail_at(since->key, message);
+    }
+
+private:
+    struct Step {
+        TableReader table;
+        std::string_view key;  ///< a literal of the source
+        Map until_here;
+    };
+    std::vector<Step> steps_;
+    Map map_ = identity();
+};
+
 /// What one table says, but for how it is stored.
-Map read_map(TableReader& table) {
-    Map map = identity();
-    const auto then = [&map](const Map& next) { map = composed(next, map); };
+Steps read_steps(TableReader& table) {
+    Steps steps;
     if (table.has("matrix")) {
         const std::vector<Real> all = table.numbers("matrix", Map::numbers);
-        then(Map::of([&all](std::size_t k) { return all[k]; }));
+        steps.add(table, "matrix", Map::of([&all](std::size_t k) { return all[k]; }));
     }
     if (table.has("steps"))
         for (TableReader& step : table.tables("steps")) {
-            then(read_map(step));
+            steps.add(read_steps(step));
             step.reject_unknown_keys();
         }
-    if (table.has("scale")) then(read_scale(table));
-    if (table.has("rotate")) then(read_rotation(table.table("rotate")));
+    if (table.has("scale")) steps.add(table, "scale", read_scale(table));
+    if (table.has("rotate")) steps.add(table, "rotate", read_rotation(table.table("rotate")));
     if (table.has("translate")) {
         Map moved = identity();
         moved.shift = table.vec3("translate");
-        then(moved);
+        steps.add(table, "translate", moved);
     }
-    if (table.has("look_at")) then(read_look_at(table.table("look_at")));
-    return map;
+    if (table.has("look_at")) steps.add(table, "look_at", read_look_at(table.table("look_at")));
+    return steps;
 }
 
 /// A⁻¹ p − A⁻¹ τ.
@@ -122,18 +159,25 @@ std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNu
     if (!table) return std::nullopt;
     bool is_inverse = false;
     table->read("stored", is_inverse, stored_names);
-    const Map map = read_map(*table);
+    const Steps steps = read_steps(*table);
     table->reject_unknown_keys();
-    const std::string_view where = table->has("matrix") ? "matrix" : "scale";
-    if (!stored_as(map, false).is_proper()) table->fail_at(where, std::string(singular_words));
-    const Placement<Real> placed = stored_as(is_inverse ? inverse(map) : map, is_inverse);
-    const auto stored =
-        transformed(placed, [&](const Real& x) { return numbers.stored(numbers.finite(*table, where, x)); });
-    if (orientation_of(stored.matrix) == 0)
-        table->fail_at(where,
-                       "is singular in binary32, to which inputs = \"shared\" rounds; write larger numbers, or inputs "
-                       "= \"own\"");
-    return placed;
+    const auto is_singular = [](const Map& map) { return !stored_as(map, false).is_proper(); };
+    steps.refuse(is_singular, std::string(singular_words));
+    const auto placed_by = [&](const Map& map) { return stored_as(is_inverse ? inverse(map) : map, is_inverse); };
+    steps.refuse(
+        [&](const Map& map) {
+            if (is_singular(map)) return false;
+            const auto numbers_of = placed_by(map).matrix;
+            return std::ranges::any_of(numbers_of, [&](const Real& x) { return numbers.overflows(x); });
+        },
+        std::string(StoredNumbers::overflow_words));
+    const auto stored_by = [&](const Map& map) {
+        return transformed(placed_by(map), [&](const Real& x) { return numbers.stored(x); });
+    };
+    steps.refuse([&](const Map& map) { return !is_singular(map) && orientation_of(stored_by(map).matrix) == 0; },
+                 "is singular in binary32, to which inputs = \"shared\" rounds; write larger numbers, or inputs = "
+                 "\"own\"");
+    return placed_by(steps.map());
 }
 
 }  // namespace lostbits::scene::file

@@ -38,4 +38,10 @@ std::string nearby_file(const std::filesystem::path& path) {
     return near ? "did you mean \"" + (folder / *near).string() + "\"?" : "";
 }
 
+std::string words_about(const std::filesystem::filesystem_error& error) {
+    const std::string path = error.path1().string();
+    return (path.empty() ? "a path" : path) + ": the system does not follow it: " + error.code().message() +
+           "; check the path, and the links on it";
+}
+
 }  // namespace lostbits::scene::toml

@@ -14,4 +14,8 @@ namespace lostbits::scene::toml {
 /// nearest, if a slip of the fingers explains it. Empty otherwise.
 std::string nearby_file(const std::filesystem::path& path);
 
+/// What to say of a path that somebody named and the system does not follow: links in a circle, a part that is a file,
+/// a folder that may not be read.
+[[nodiscard]] std::string words_about(const std::filesystem::filesystem_error& error);
+
 }  // namespace lostbits::scene::toml

@@ -8,12 +8,20 @@
 #include <random>
 
 #include "catch.hpp"
+#include "code_only.hpp"
+#include "measure/answer/one_ray.hpp"
+#include "measure/blame/explanation.hpp"
+#include "measure/rows.hpp"
+#include "measure/tape/tape_form.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"
+#include "output/mend/form_code.hpp"
 #include "output/page/text.hpp"
+#include "scene/toml/toml_tree.hpp"
 
 namespace test_escape {
 
@@ -258,6 +266,117 @@ TEST_CASE("nothing ends a comment of C but its end", "[escape]") {
         REQUIRE(comment.find_first_of("\r\n\\") == std::string::npos);
         REQUIRE(comment.find("??") == std::string::npos);
     });
+}
+
+TEST_CASE("a compiler reads back every literal of C, with trigraphs and without, and no comment goes on", "[escape]") {
+    const Scratch folder;
+    std::string source = "#include <stdio.h>\nint lines = 0;\nstatic const char* const texts[] = {\n", expected,
+                counted;
+    int texts = 0;
+    for_texts(4000, [&](const std::string& text) {
+        const std::string literal = c_string(text), comment = line_comment(text);
+        REQUIRE(std::ranges::all_of(code_points(literal), is_showable));
+        REQUIRE(comment.find_first_of("\r\n") == std::string::npos);
+        REQUIRE(lostbits::test::code_only("// " + comment + "\nx\n", lostbits::test::c_code) == "\nx\n");
+        source += "// " + comment + "\n" + literal + ",\n";
+        counted += "// " + comment + "\nlines++;\n";
+        expected += text + '\0';
+        ++texts;
+    });
+    source += "};\nint main(void) {\nunsigned i;\n" + counted + "for (i = 0; i < sizeof texts / sizeof *texts; ++i) " +
+              "printf(\"%s%c\", texts[i], 0);\nreturn lines == " + std::to_string(texts) + " ? 0 : 1;\n}\n";
+    std::ofstream(folder / "texts.c", std::ios::binary) << source;
+    for (const char* compiler : {"cc -std=c99 -w", "c++ -std=c++20 -w -x c++"}) {
+        const std::string program = (folder / "texts").string(), out = (folder / "out").string();
+        INFO(compiler);
+        REQUIRE(std::system((std::string(compiler) + " -O0 -o '" + program + "' '" + (folder / "texts.c").string() +
+                             "' && '" + program + "' >'" + out + "'")
+                                .c_str()) == 0);
+        REQUIRE(read_file(out) == expected);
+    }
+    // What people type can be copied from a comment.
+    for (const char* text : {"lostbits mend 'a b\\c.toml' -i sphere.half_b", "a?\?/b", "x \\ y", "|f|² − r²"})
+        CHECK(line_comment(text) == text);
+    CHECK(line_comment("x\\") == "x\\.");
+    CHECK(line_comment("x\\  ") == "x\\  .");
+    CHECK(line_comment("a\nb") == "a b");
+    CHECK(c_string("a\"b\\c\n?\?/\x01"
+                   "2") == "\"a\\\"b\\\\c\\012?\\?/\\0012\"");
+}
+
+TEST_CASE("a reader of TOML reads back every string", "[escape]") {
+    const Scratch folder;
+    std::string file;
+    std::vector<std::string> texts;
+    for_texts(many, [&](const std::string& text) {
+        file += "t" + std::to_string(texts.size()) + " = " + toml_string(text) + "\n";
+        texts.push_back(valid_utf8(text));
+    });
+    std::ofstream(folder / "t.toml", std::ios::binary) << file;
+    const auto root = scene::toml::read_toml(folder / "t.toml");
+    REQUIRE(root.entries.size() == texts.size());
+    for (const auto& entry : root.entries) {
+        INFO(entry.key);
+        REQUIRE(entry.value.text == texts.at(std::stoul(entry.key.substr(1))));
+    }
+}
+
+TEST_CASE("names that a stranger gave to operations, and words about a form, are text in all code", "[escape]") {
+    static const std::vector<std::string> hostile{"\"}; int pwned = 1; //",
+                                                  "*/ int pwned; /*",
+                                                  "\n#include \"pwned\"\n",
+                                                  "x\\",
+                                                  "x?\?/",  // and what follows
+                                                  "\\pwned{}$%&#~^_",
+                                                  "\xE2\x80\xAE pwned",
+                                                  "'; pwned; '",
+                                                  ") (pwned",
+                                                  "lostbits: name=pwned",
+                                                  "named",
+                                                  "class",
+                                                  "$1 $2"};
+    const auto& form = lostbits::test::form_named("sphere.half_b");
+    const Format f32 = *find_format("f32");
+    const scene::file::Scene scene = lostbits::test::load("near-benign");
+    auto explained = measure::blame::explain(form, f32, measure::answer::OneRay(scene, 6, 4));
+    Tape made = measure::tape::tape_of(form, f32);
+    std::size_t named = 0;
+    for (Tape* tape : {&explained.tape, &made})
+        for (TapeNode& node : tape->nodes)
+            if (!node.label.empty()) node.label = hostile[named++ % hostile.size()];
+    REQUIRE(named > 6);
+    const auto no_code = [](const std::string& what, const std::string& text, const lostbits::test::Language& language,
+                            std::size_t includes) {
+        INFO(what << "\n" << text);
+        const std::string code = lostbits::test::code_only(text, language);
+        // Names of variables are made of letters of labels; nothing else is.
+        for (std::size_t at = 0; (at = code.find("pwned", at)) != std::string::npos; ++at)
+            CHECK((at > 0 && code[at - 1] == '_'));
+        CHECK(code.find("\xE2\x80\xAE") == std::string::npos);
+        std::size_t found = 0;
+        for (std::size_t at = 0; (at = code.find("#include", at)) != std::string::npos; ++at) ++found;
+        CHECK(found == includes);
+    };
+    for (const std::string& words : hostile) {
+        const output::mend::FormWords said{.name = "mended.f", .title = words, .source = words, .head = {words, words}};
+        const std::string header = output::mend::form_header(made, form, said);
+        no_code("header", header, lostbits::test::c_code, 2);
+        CHECK(header.find("named(\"class\", ") != std::string::npos);
+        CHECK(header.find(" class = ") == std::string::npos);
+        const std::string shader =
+            output::mend::shader_code(made, form, {.name = "f", .title = words, .source = words, .head = {words}});
+        no_code("shader", shader, lostbits::test::c_code, 0);
+        std::size_t marks = 0;
+        for (std::size_t at = 0; (at = shader.find("lostbits:", at)) != std::string::npos; ++at) ++marks;
+        CHECK(marks == 2 + (words.starts_with("lostbits:") ? 1 : 0));  // in the title, which is in quotation marks
+    }
+    no_code("C", output::blame::explain_c(explained), lostbits::test::c_code, 2);
+    no_code("FPCore", output::blame::explain_fpcore(explained), lostbits::test::fpcore_code, 0);
+    const std::string latex = output::blame::explain_latex(explained);
+    INFO(latex);
+    CHECK(latex.find("\\backslash{}pwned\\{\\}\\$\\%\\&\\#\\sim{}") != std::string::npos);
+    CHECK(latex.find("\\pwned") == std::string::npos);
+    CHECK(std::ranges::count(latex, '{') == std::ranges::count(latex, '}'));
 }
 
 TEST_CASE("a shell reads back every word", "[escape]") {

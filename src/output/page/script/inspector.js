@@ -70,9 +70,14 @@ function metricTable(facts) {
     return make("table.metrics", body);
 }
 
+/** A word as a shell reads it back. */
+function shellWord(word) {
+    return /^[A-Za-z0-9_./,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+}
+
 /** What to type for the same map, and for one ray of it. */
 function commandsFor(map, row, x, y, metric) {
-    const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
+    const drawn = metric.kind === "classes" ? "" : ` --metric ${shellWord(metric.name)}`;
     return {
         map: `lostbits map ${map.named} -i ${row.form} -f ${row.format}${row.from}${drawn} --pixels csv -o out`,
         explain: `lostbits explain ${map.named} --pixel ${x},${y} -i ${row.form} -f ${row.format}${row.from}`,
@@ -109,7 +114,10 @@ function intervalLine(column, value, rays, isDrawn) {
     return `# measured ${decimal(value)}${advice}\nin = [${decimal(low)}, ${decimal(high)}]`;
 }
 
-/** A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. */
+/**
+ * A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. A string of JSON
+ * is one of TOML.
+ */
 function claimText(id, given, { form, format }, [column, value], rays, isDrawn) {
     return `# Behind schema = "lostbits-claims/1", which stands once at the head of a file of claims.
 [[claim]]
@@ -117,13 +125,13 @@ id = ${JSON.stringify(`my.${id}.${form}.${format}.${column}`)}
 statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
-note = "${column} over ${rays === 1 ? "one ray" : `${rays} rays`}, from the report"
+note = ${JSON.stringify(`${column} over ${rays === 1 ? "one ray" : `${rays} rays`}, from the report`)}
 [claim.given]
 ${given}
 form = "${form}"
 format = "${format}"
 [claim.expect]
-metric = "${column}"
+metric = ${JSON.stringify(column)}
 ${intervalLine(column, value, rays, isDrawn)}
 `;
 }

@@ -8,6 +8,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "number/error.hpp"
@@ -28,11 +30,19 @@ bool is_identity(const tinygltf::Node& node) {
            is_one_of(node.scale, {1, 1, 1});
 }
 
+/// Whether the library may read it: of a folder it would ask how long it is, and believe the answer.
+bool is_file(const std::string& path, void*) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(path, ignored);
+}
+
 /// The meshes of one file. Places are counted by the library as int, −1 where there is none.
 class GltfModel {
 public:
     explicit GltfModel(const std::filesystem::path& path) : path_(path) {
         tinygltf::TinyGLTF loader;
+        loader.SetFsCallbacks(
+            {is_file, tinygltf::ExpandFilePath, tinygltf::ReadWholeFile, tinygltf::WriteWholeFile, nullptr});
         loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
                                  void*) { return true; },
                               nullptr);

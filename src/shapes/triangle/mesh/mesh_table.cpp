@@ -1,5 +1,7 @@
 #include <cmath>
+#include <new>
 
+#include "number/error.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/triangle/mesh/made.hpp"
 #include "shapes/triangle/mesh/mesh_file.hpp"
@@ -70,12 +72,15 @@ private:
 
 }  // namespace
 
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder) {
+namespace {
+
+Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder) {
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "stands beside file; a mesh is made or read, not both");
         const std::filesystem::path path = folder / table.string("file");
-        if (!std::filesystem::exists(path) || std::filesystem::is_directory(path))
+        std::error_code ignored;
+        if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
             table.fail_at("file", "names " + path.string() +
                                       ", which is not a file; it is looked for from the folder "
                                       "of the scene");
@@ -87,6 +92,17 @@ Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& fold
     }
     table.reject_unknown_keys();
     return mesh;
+}
+
+}  // namespace
+
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder) {
+    try {
+        return read_table(table, folder);
+    } catch (const std::bad_alloc&) {
+        throw EnvironmentError(table.where(table.has("file") ? "file" : "make").text() +
+                               ": this mesh does not fit into memory; take one of fewer triangles");
+    }
 }
 
 }  // namespace lostbits::scene::triangle
