@@ -52,7 +52,7 @@ public:
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
-    /// How far half an ulp in each input can move t*, in the unit of the form's answer; NaN for a miss.
+    /// How far half an ulp in each input can move t*, as the form's answer has it, see `truth::reach`; NaN for a miss.
     [[nodiscard]] double reach(const intersect::Info& info, const Format& format) const;
     /// The outcome of answers about these inputs where the solids of a mesh are told apart from others; `before` where
     /// they need not be.

@@ -60,9 +60,8 @@ Inherent inherent(const Band& band, const TestedForm& row, const Format& format,
         const double reach = band.reach(i, row.convention(), unit, {.format = format});
         const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
         lost.add(truth::inherent_bits(reach, t, format.parameters));
-        // Of a length in units of the direction its share of t*, which is that of the distance.
-        const double length = truth::scaled_difference(found.distance, {}, 0), own = truth::scaled_difference(t, {}, 0);
-        off.add(own == 0 ? reach : reach * std::fabs(length / own));
+        // In units of the power of two of t*: its share of t*, which is that of the distance.
+        off.add(t.is_zero() ? reach : reach * std::fabs(truth::scaled_difference(found.distance, {}, 0) / t.hi));
     }
     return {format.parameters.precision - lost.quantile(wish.quantile), off.quantile(wish.quantile)};
 }

@@ -27,7 +27,9 @@ BandOfRows::BandOfRows(Band& band, const std::vector<TestedForm>& rows, const st
         for (const intersect::table::Intersector* form : {row.form, row.against})
             needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
         needs.own_truth = (asked & metric::needs_own_truth) != 0;
-        needs.reach = {(asked & metric::needs_reach) != 0, (asked & metric::needs_reach_normwise) != 0};
+        const truth::Length length = truth::length_of(row.form->info->direction);
+        if (asked & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
+        if (asked & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
     for (const auto& [name, needs] : formats) inputs_.emplace(name, band.inputs(*find_format(name), needs));
     for (const TestedForm& row : rows) columns_.find(row.convention(), row.form->info->direction);

@@ -30,7 +30,7 @@ struct Sample {
     const truth::Certified* own = nullptr;    ///< the truth of the inputs as the format holds them
     const truth::Certified* self = nullptr;   ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;        ///< κ of the problem at its ideal inputs
-    double reach = truth::missing;            ///< how far half an ulp in each input can move t*
+    double reach = truth::missing;            ///< how far half an ulp in each input can move t*, see `truth::reach`
     double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
     const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
     const Solid<double>* solid = nullptr;     ///< the solid that the form hit, as it received it

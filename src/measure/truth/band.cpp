@@ -319,7 +319,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
                            Convention convention) const {
     const Truth truth = this->truth(i, convention);
-    const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
+    const Length length = length_of(unit_of);
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const auto solid = solids[static_cast<std::size_t>(truth.object)];
         return round_truth(truth, ray, solid, format, length, convention.of(solid.shape), range(i));

@@ -42,7 +42,7 @@ public:
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
     /// How far errors of the inputs can move the t of ray i, or its distance, see `truth::reach`; NaN for a miss. `of`
-    /// says the format, and the answer where it holds it.
+    /// says the format, and the answer where it holds it. In units of the power of two of that t, or distance.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
                                const FormatInputs& of, Perturbed perturbed = Perturbed::componentwise) const;
     /// The inputs of one format; parallel over the pixels where it computes.
@@ -94,7 +94,7 @@ private:
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
                                       intersect::Convention convention) const;
-    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, const FloatFormat& format,
+    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, Length length, const FloatFormat& format,
                                   Perturbed perturbed) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 

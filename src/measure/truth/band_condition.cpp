@@ -1,4 +1,4 @@
-#include <cmath>
+#include <utility>
 
 #include "intersect/process/parallel.hpp"
 #include "measure/truth/band.hpp"
@@ -42,36 +42,38 @@ double Band::condition(std::size_t i, Convention convention) const {
     return apart ? apart->condition : condition_[i];
 }
 
-double Band::reach_of(std::size_t i, const Truth& found, const FloatFormat& format, Perturbed perturbed) const {
+double Band::reach_of(std::size_t i, const Truth& found, Length length, const FloatFormat& format,
+                      Perturbed perturbed) const {
     if (!found.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const auto solid = solids[static_cast<std::size_t>(found.object)];
-        return lostbits::measure::truth::reach(ray, solid, found.t, format, perturbed);
+        const Certified& answer = length == Length::distance ? found.distance : found.t;
+        return lostbits::measure::truth::reach(ray, solid, answer, length, format, perturbed);
     });
 }
 
 double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const FormatInputs& of,
                    Perturbed perturbed) const {
-    const std::vector<double>& known = of.reach[static_cast<std::size_t>(perturbed)];
+    const Length length = length_of(unit_of);
+    const auto& known = of.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
     const bool closed = !known.empty() && !(convention.is_special() && asks_anew(i, convention)) &&
                         find_apart(i, convention) == nullptr;
-    const double t = closed ? known[i] : reach_of(i, truth(i, convention), of.format.parameters, perturbed);
-    if (unit_of != intersect::Direction::unit) return t;
-    return with_ray(i, [&](const auto& ray, const auto&) {
-        return t * std::hypot(double(ray.direction.x), double(ray.direction.y), double(ray.direction.z));
-    });
+    return closed ? known[i] : reach_of(i, truth(i, convention), length, of.format.parameters, perturbed);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
     for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        if (!needs.reach[static_cast<std::size_t>(perturbed)]) continue;
-        std::vector<double>& all = in.reach[static_cast<std::size_t>(perturbed)];
-        all.resize(pixels());
-        intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
-            limit_.stop.check();
-            for (std::size_t i = range.begin(); i < range.end(); ++i)
-                all[i] = reach_of(i, truths_[i], in.format.parameters, perturbed);
-        });
+        for (const Length length : {Length::parameter, Length::distance}) {
+            const auto place = std::pair(static_cast<std::size_t>(perturbed), static_cast<std::size_t>(length));
+            if (!needs.reach[place.first][place.second]) continue;
+            std::vector<double>& all = in.reach[place.first][place.second];
+            all.resize(pixels());
+            intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+                limit_.stop.check();
+                for (std::size_t i = range.begin(); i < range.end(); ++i)
+                    all[i] = reach_of(i, truths_[i], length, in.format.parameters, perturbed);
+            });
+        }
     }
 }
 

@@ -29,8 +29,8 @@ struct FormatInputs {
     RayTruths own_truth = {};
     /// The same by other conventions, by `key_of`, for the rays on which they matter.
     std::unordered_map<std::size_t, Truth> own_apart = {};
-    /// By `Perturbed`, of the closed solid's truth and in units of t, see `truth::reach`; empty unless asked for.
-    std::array<std::vector<double>, 2> reach = {};
+    /// By `Perturbed` and `Length`, of the closed solid's truth, see `truth::reach`; empty unless asked for.
+    std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
     bool paired = false;  ///< ray i is aimed at solid i alone
     /// Which of them forms are asked about: of spheres, and of other shapes ray by ray. Null: all.
@@ -71,7 +71,11 @@ struct FormatInputs {
 struct BandNeeds {
     bool unit_rays = false;
     bool own_truth = false;
-    std::array<bool, 2> reach = {};  ///< by `Perturbed`
+    std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
+
+    void add_reach(Perturbed perturbed, Length length) {
+        reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)] = true;
+    }
 };
 
 }  // namespace lostbits::measure::truth

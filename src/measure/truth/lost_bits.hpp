@@ -31,9 +31,14 @@ inline double lost_bits(double ulps, int precision) {
     return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
-/// The bits that a `reach` (reach.hpp) can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
+/// log2 of the unit in which a `reach` (reach.hpp) is told: the power of two of t*, so that no number of it leaves the
+/// range of double where t* does; 1 where t* is 0.
+inline std::int64_t exponent_of_unit(const Certified& truth) { return truth.is_zero() ? 0 : truth.exponent; }
+
+/// The bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
 inline double inherent_bits(double reach, const Certified& truth, const FloatFormat& format) {
-    return lost_bits(std::ldexp(reach, -static_cast<int>(ulp_exponent(format, truth.floor_log2()))), format.precision);
+    const auto ulp = ulp_exponent(format, truth.floor_log2());
+    return lost_bits(std::ldexp(reach, static_cast<int>(exponent_of_unit(truth) - ulp)), format.precision);
 }
 
 /// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
@@ -45,7 +50,8 @@ inline double excess_bits(double t, const Certified& truth, const FloatFormat& f
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
     if (std::isinf(reach)) return 0;
     const int scale = std::ilogb(reach);
-    const double times = std::fabs(scaled_difference(exactly(t), truth, scale)) / std::ldexp(reach, -scale);
+    const double apart = scaled_difference(exactly(t), truth, exponent_of_unit(truth) + scale);
+    const double times = std::fabs(apart) / std::ldexp(reach, -scale);
     if (!(times > 1)) return 0;
     return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "measure/truth/lost_bits.hpp"
+#include "measure/truth/truth.hpp"
 #include "number/format.hpp"
 #include "shapes/solid.hpp"
 
@@ -18,13 +19,15 @@ enum class Perturbed : std::uint8_t { componentwise, normwise };
 /// Where the k-th perturbed number of a matrix stands in it: the linear part first, row by row, then what is added.
 inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
-/// A bound of |t' − t|, in units of t, for every problem within those errors whose answer is the same root: the near
-/// root or the far one, the same face. It is never too small; reach.cpp has the inequalities. `t` is the root, or where
-/// the range begins. A problem within the errors may also miss, or meet another root first, where its line may pass the
-/// rim, or its origin the surface: then the inputs do not decide, and what those answer is no part of the bound.
-double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& t, const FloatFormat& format,
-             Perturbed perturbed = Perturbed::componentwise);
-double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t, const FloatFormat& format,
-             Perturbed perturbed = Perturbed::componentwise);
+/// A bound of |t' − t|, or of how far the distance moves, for every problem within those errors whose answer is the
+/// same root: the near root or the far one, the same face. It is never too small; reach.cpp has the inequalities.
+/// `answer` is the t or the distance of the root, or of where the range begins; the bound is in units of its power of
+/// two
+/// (`exponent_of_unit`). A problem within the errors may also miss, or meet another root first, where its line may pass
+/// the rim, or its origin the surface: then the inputs do not decide, and what those answer is no part of the bound.
+double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& answer, Length length,
+             const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise);
+double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& answer, Length length,
+             const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise);
 
 }  // namespace lostbits::measure::truth

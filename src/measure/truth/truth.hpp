@@ -79,6 +79,9 @@ inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLim
 
 /// What is asked about: t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
+inline Length length_of(intersect::Direction unit_of) {
+    return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
+}
 
 /// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
 /// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, found by that convention

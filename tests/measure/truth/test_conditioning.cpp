@@ -6,7 +6,7 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "measure/truth/reach.hpp"
+#include "measure/truth/reach_of_t.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 #include "scene/sweep/families.hpp"
@@ -15,7 +15,7 @@ namespace test_conditioning {
 
 using namespace lostbits;
 using measure::truth::exactly;
-using measure::truth::reach;
+using test::reach_of_t;
 
 namespace {
 
@@ -108,15 +108,15 @@ TEST_CASE("where t = 0 it can reach as far as the surface can move from the orig
     const Sphere<double> sphere{{0, 0, 0}, 1};
     const double half_ulp = 0x1p-24;
     // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
-    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, exactly(0), binary32) == Approx(2 * half_ulp));
-    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, exactly(0), binary32) == 0);
+    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, exactly(0), binary32) == Approx(2 * half_ulp));
+    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, exactly(0), binary32) == 0);
     const Box<double> box{{-1, -1, -1}, {1, 1, 1}};
-    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, exactly(0), binary32) == Approx(4 * half_ulp));
-    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, exactly(0), binary32) == 0);
+    CHECK(reach_of_t(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, exactly(0), binary32) == Approx(4 * half_ulp));
+    CHECK(reach_of_t(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, exactly(0), binary32) == 0);
     // Beyond what a double's square holds.
     const double far = 0x1p600;
-    CHECK(reach(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, exactly(4 * far),
-                binary32) < far / 64);
+    CHECK(reach_of_t(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, exactly(4 * far),
+                     binary32) < far / 64);
 }
 
 TEST_CASE("near a tangent fewer bits are excused than the condition says") {
@@ -124,7 +124,9 @@ TEST_CASE("near a tangent fewer bits are excused than the condition says") {
     const Sphere<double> sphere{{0, 0, 0}, 1};
     const auto bits_at = [&](double x, double t) {
         const Ray<double> ray{{x, 0, 4}, {0, 0, -1}};
-        return inherent_bits(reach(ray, sphere, exactly(t), binary32), exactly(t), binary32);
+        const double reach =
+            measure::truth::reach(ray, sphere, exactly(t), measure::truth::Length::parameter, binary32);
+        return inherent_bits(reach, exactly(t), binary32);
     };
     const auto by_condition = [&](double x) {
         const double kappa = measure::truth::condition(Ray<double>{{x, 0, 4}, {0, 0, -1}}, sphere);
@@ -145,15 +147,16 @@ TEST_CASE("near a tangent fewer bits are excused than the condition says") {
 
 TEST_CASE("an error is excused by what t can reach") {
     using measure::truth::excess_bits;
-    // A tangent at t = 8, which moves by 2^-8 for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the 13.
-    CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-8) == 0);
-    CHECK(excess_bits(0, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    // A tangent at t = 8, which moves by 2^-11 of it for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the
+    // 13.
+    CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-11) == 0);
+    CHECK(excess_bits(0, exactly(8), binary32, 0x1p-11) == 24 - 13);
     // 6 where the origin is on the surface and 0 is right; 1e-7 is what the inputs do.
     CHECK(excess_bits(6, exactly(0), binary32, 0x1p-23) == 24);
     CHECK(excess_bits(1e-7, exactly(0), binary32, 0x1p-23) == 0);
     CHECK(excess_bits(6, exactly(0), binary64, 0) == 53);
     CHECK(excess_bits(0, exactly(0), binary64, 0) == 0);
-    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, 0x1p-11) == 24 - 13);
     CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, HUGE_VAL) == 24);
 }
 

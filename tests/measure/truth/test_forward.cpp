@@ -8,6 +8,7 @@
 #include "measure/seeded.hpp"
 #include "measure/stability/stability.hpp"
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/reach_of_t.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/sweep/families.hpp"
 
@@ -19,7 +20,7 @@ using measure::stability::Turned;
 using measure::truth::Certified;
 using measure::truth::exactly;
 using measure::truth::Perturbed;
-using measure::truth::reach;
+using test::reach_of_t;
 using test::Seeded;
 
 namespace {
@@ -77,7 +78,7 @@ void check_finite(Tally& tally, const Problem& problem, bool anywhere, Seeded& r
     const int least = anywhere ? 20 : std::max(20, problem.certain_within(Perturbed::normwise));
     const int p = least + rng.index(8);
     const double t = problem.t(),
-                 far = reach(problem.ray, problem.solid, problem.truth, {p, -1022, 1023}, Perturbed::normwise);
+                 far = reach_of_t(problem.ray, problem.solid, problem.truth, {p, -1022, 1023}, Perturbed::normwise);
     if (p > 60 || !(far < t / 8 && far > t * 0x1p-42)) return;
     const double there = t + rng.sign() * far * (1 + 0x1p-10);
     tally.take(forward_error(there, problem.truth), std::ldexp(far, p),

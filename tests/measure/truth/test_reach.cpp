@@ -7,7 +7,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/truth/hard_rays.hpp"
-#include "measure/truth/reach.hpp"
+#include "measure/truth/reach_of_t.hpp"
 #include "measure/truth/textbook.hpp"
 #include "measure/truth/truth.hpp"
 
@@ -15,7 +15,7 @@ namespace test_reach {
 
 using namespace lostbits;
 using measure::truth::Perturbed;
-using measure::truth::reach;
+using test::reach_of_t;
 using test::Seeded;
 using namespace test::textbook;
 
@@ -64,7 +64,7 @@ public:
             for (std::size_t i = 0; i < count_; ++i) moved[i] += step[i] * (k % 2 ? rng.sign() : rng.uniform(-1, 1));
             take(moved, most);
         }
-        return over(most, reach(ray_, solid_, certified_, format_));
+        return over(most, reach_of_t(ray_, solid_, certified_, format_));
     }
     double worst_of_normwise(Seeded& rng, int draws) {
         Wide most = 0;
@@ -83,7 +83,7 @@ public:
             });
             take(moved, most);
         }
-        return over(most, reach(ray_, solid_, certified_, format_, Perturbed::normwise));
+        return over(most, reach_of_t(ray_, solid_, certified_, format_, Perturbed::normwise));
     }
 
 private:
@@ -255,7 +255,7 @@ TEST_CASE("t moves no further than it can reach - under matrices whose numbers a
             const auto t = near_root_under(x);
             if (!t || *t <= 0) continue;
             ++trials;
-            const double bound = reach(ray, solid, truth.t, format);
+            const double bound = reach_of_t(ray, solid, truth.t, format);
             if (!std::isfinite(bound)) continue;
             ++known;
             Wide most = 0;

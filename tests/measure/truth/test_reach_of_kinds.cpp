@@ -1,0 +1,284 @@
+// What errors of the inputs can move t and the distance by, against problems that have such errors: every shape, random
+// rays and rays that run exactly across, along and through what they meet, lengths and directions of every exponent.
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/reach.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::test::test_reach_of_kinds {
+
+using measure::truth::Certified;
+using measure::truth::find_truth;
+using measure::truth::Length;
+using measure::truth::Perturbed;
+using measure::truth::Truth;
+
+namespace {
+
+struct Problem {
+    Ray<double> ray;
+    Solid<double> solid;
+};
+
+/// The numbers of a problem: origin, direction, solid.
+template <class S>
+std::vector<S> numbers_of(const Ray<S>& ray, const Solid<S>& solid) {
+    std::vector<S> all{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
+    all.insert(all.end(), solid.used().begin(), solid.used().end());
+    return all;
+}
+
+/// A solid of random numbers, all of which are rounded to `grid` (none where it is 0), that is what its shape asks.
+std::optional<Solid<double>> draw_solid(Seeded& rng, Shape shape, double grid) {
+    Solid<double> solid(shape);
+    const auto on_grid = [grid](double x) { return grid > 0 ? std::round(x / grid) * grid : x; };
+    for_each_key(shape, [&](const Key& key, std::size_t k) {
+        for (std::size_t i = k; i < k + key.count(); ++i)
+            solid.numbers[i] = on_grid(key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2));
+    });
+    if (solid.is<Torus>() && solid.numbers[7] >= solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
+    if (solid.is<Disc>() && rng.index(2) == 0) solid.numbers[7] = 0;
+    if (solid.is<Disc>() && solid.numbers[7] >= solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
+    if (solid.is<Box>())
+        for (std::size_t i = 0; i < 3; ++i)
+            if (solid.numbers[i] > solid.numbers[i + 3]) std::swap(solid.numbers[i], solid.numbers[i + 3]);
+    return broken_limit(solid) ? std::nullopt : std::optional(solid);
+}
+
+enum class Kind { random, whole, tiny_parts, far };
+
+/// A ray at a solid. Of `whole` ones all numbers are small whole ones over 4, so that much is exactly equal, parallel
+/// and across; of `tiny_parts` components of the direction and the origin that would be zero are tiny instead.
+std::optional<Problem> draw(Seeded& rng, Shape shape, Kind kind) {
+    const double grid = kind == Kind::whole || kind == Kind::tiny_parts ? 0.25 : 0;
+    const auto solid = draw_solid(rng, shape, grid);
+    if (!solid) return std::nullopt;
+    const auto on_grid = [grid](const Vec<double>& v) {
+        const auto one = [grid](double x) { return grid > 0 ? std::round(x / grid) * grid : x; };
+        return Vec<double>(one(v.x), one(v.y), one(v.z));
+    };
+    const Vec<double> share(rng.uniform(0, 1), rng.uniform(0, 1), rng.uniform(0, 1));
+    const Vec<double> aim = on_grid(visit(*solid, [&](const auto& s) { return Vec<double>(s.point_at(share)); }));
+    Vec<double> direction = on_grid(rng.vec(-2, 2));
+    if (grid > 0)
+        for (int i = 0; i < 3; ++i)
+            if (rng.index(2) == 0) direction[i] = 0;
+    if (direction == Vec<double>(0, 0, 0)) return std::nullopt;
+    const double away = kind == Kind::far ? std::exp2(rng.uniform(3, 14)) : std::round(rng.uniform(1, 8));
+    Problem p{{aim - away * direction, direction}, *solid};
+    if (kind == Kind::tiny_parts)
+        for (Vec<double>* const v : {&p.ray.direction, &p.ray.origin})
+            for (int i = 0; i < 3; ++i)
+                if ((*v)[i] == 0 && rng.index(2) == 0) (*v)[i] = rng.signed_magnitude(-1000, -60);
+    return p;
+}
+
+/// Lengths 2^lengths and directions 2^directions times as large; nothing where a number leaves the doubles.
+std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) {
+    Problem q = p;
+    bool kept = true;
+    const auto scale = [&kept](double& x, int e) {
+        const double to = std::ldexp(x, e);
+        kept &= std::isfinite(to) && std::ldexp(to, -e) == x;
+        x = to;
+    };
+    for (int i = 0; i < 3; ++i) scale(q.ray.origin[i], lengths), scale(q.ray.direction[i], directions);
+    for_each_key(p.solid.shape, [&](const Key& key, std::size_t k) {
+        for (std::size_t i = k; i < k + key.count(); ++i)
+            scale(q.solid.numbers[i], key.kind == Key::Kind::direction ? 0 : lengths);
+    });
+    return kept ? std::optional(q) : std::nullopt;
+}
+
+/// How far t or the distance of a problem was seen to move, over what it can reach.
+class Trial {
+public:
+    /// `plain` is the problem before it was scaled, whose slopes have the same signs and are doubles.
+    Trial(const Problem& p, const Problem& plain, const Truth& truth, Length length, const FloatFormat& format,
+          Perturbed perturbed)
+        : problem_(p),
+          plain_(plain),
+          truth_(truth),
+          length_(length),
+          normwise_(perturbed == Perturbed::normwise),
+          x_(numbers_of(p.ray, p.solid)),
+          bound_(measure::truth::reach(p.ray, p.solid, answer(truth), length, format, perturbed)) {
+        for (const double x : x_) {
+            const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
+            step_.push_back(ldexp(Real(1), e - format.precision));
+        }
+        // Zeros of the direction stay: whether they do decides what the ray crosses at all.
+        for (std::size_t i = 3; i < 6; ++i)
+            if (x_[i] == 0) step_[i] = 0;
+        precision_ = format.precision;
+    }
+
+    [[nodiscard]] double bound() const { return bound_; }
+    [[nodiscard]] double worst(Seeded& rng, int draws) const {
+        double most = 0;
+        const auto slopes = measure::truth::gradient(plain_.ray, plain_.solid);
+        for (int k = 0; k < draws; ++k) {
+            std::vector<double> way(x_.size());
+            for (std::size_t i = 0; i < way.size(); ++i) way[i] = k % 2 ? rng.sign() : rng.uniform(-1, 1);
+            if (k < 4 && !slopes.empty()) {  // where t moves most, to both sides; along the direction and not
+                for (std::size_t i = 0; i < way.size(); ++i) {
+                    const double slope = slopes[i] + (length_ == Length::distance && i >= 3 && i < 6 ? turn(i) : 0);
+                    way[i] = normwise_ ? slope : slope < 0 ? -1 : 1;
+                    if (k % 2) way[i] = -way[i];
+                    if (k >= 2 && i >= 3 && i < 6) way[i] = -way[i];
+                }
+            }
+            most = std::max(most, seen(way));
+        }
+        if (most == 0) return 0;
+        return bound_ > 0 ? most / bound_ : HUGE_VAL;
+    }
+
+private:
+    [[nodiscard]] const Certified& answer(const Truth& truth) const {
+        return length_ == Length::distance ? truth.distance : truth.t;
+    }
+    /// What |d| adds to the slope of the distance by a component of d, over |d|: t dᵢ/d².
+    [[nodiscard]] double turn(std::size_t i) const {
+        const Vec<double>& d = plain_.ray.direction;
+        const Certified t = find_truth(plain_.ray, plain_.solid).t;
+        return std::ldexp(t.hi, static_cast<int>(t.exponent)) * d[static_cast<int>(i) - 3] / dot(d, d);
+    }
+    /// How far the answer moves, in the unit of the bound; 0 where the problem that way has none.
+    [[nodiscard]] double seen(const std::vector<double>& way) const {
+        std::vector<Real> moved(x_.begin(), x_.end());
+        for (std::size_t i = 0; i < moved.size() && !normwise_; ++i) moved[i] += step_[i] * way[i];
+        const auto turn_vector = [&](std::size_t first, std::size_t end) {
+            Real size = 0, along = 0;
+            for (std::size_t i = first; i < end; ++i) size += square(Real(x_[i])), along += square(Real(way[i]));
+            if (along == 0) return;
+            const Real scale = sqrt(size) / sqrt(along) * ldexp(Real(1), -precision_);
+            for (std::size_t i = first; i < end; ++i) moved[i] += way[i] * scale;
+        };
+        if (normwise_) {
+            turn_vector(0, 3), turn_vector(3, 6);
+            for_each_key(problem_.solid.shape,
+                         [&](const Key& key, std::size_t k) { turn_vector(6 + k, 6 + k + key.count()); });
+        }
+        const Ray<Real> ray{{moved[0], moved[1], moved[2]}, {moved[3], moved[4], moved[5]}};
+        Solid<Real> solid(problem_.solid.shape);
+        for (std::size_t i = 6; i < moved.size(); ++i) solid.numbers[i - 6] = moved[i];
+        if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(solid)) return 0;
+        const Truth found = find_truth(ray, solid);
+        if (!found.is_hit()) return 0;
+        return std::fabs(measure::truth::scaled_difference(answer(found), answer(truth_),
+                                                           measure::truth::exponent_of_unit(answer(truth_))));
+    }
+
+    Problem problem_, plain_;
+    Truth truth_;
+    Length length_;
+    bool normwise_;
+    int precision_ = 0;
+    std::vector<double> x_;
+    std::vector<Real> step_;
+    double bound_;
+};
+
+/// Whether a problem nearby may be met elsewhere: where a rim, or an edge, is met, which no bound is about.
+bool is_of_use(const Truth& truth, Shape shape) {
+    if (!truth.is_hit() || truth.t.is_zero() || truth.on_surface) return false;
+    const bool smooth = shape == Shape::sphere || shape == Shape::ellipsoid || shape == Shape::capsule;
+    return smooth || !truth.touches;
+}
+
+struct Tally {
+    int trials = 0, beyond = 0, loose = 0;
+    double worst = 0;
+};
+
+/// What was seen of a shape, over bounds.
+Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed perturbed, int draws, bool scale) {
+    Tally tally;
+    Seeded rng(0x5ca1ab1e + static_cast<std::uint64_t>(shape) * 16 + static_cast<std::uint64_t>(kind));
+    for (int i = 0; i < draws; ++i) {
+        const auto drawn = draw(rng, shape, kind);
+        if (!drawn) continue;
+        const int widest = format == binary64 ? 1000 : 100;
+        const int lengths = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0,
+                  directions = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0;
+        const auto problem = scaled_by(*drawn, lengths, directions);
+        if (!problem || !measure::truth::is_proper(problem->ray) || !measure::truth::is_proper(problem->solid))
+            continue;
+        const Truth truth = find_truth(problem->ray, problem->solid);
+        if (!is_of_use(truth, shape)) continue;
+        for (const Length length : {Length::parameter, Length::distance}) {
+            const Trial trial(*problem, *drawn, truth, length, format, perturbed);
+            const double ratio = trial.worst(rng, 8);
+            ++tally.trials;
+            tally.beyond += ratio > 1;
+            tally.loose += ratio < 0.4;
+            tally.worst = std::max(tally.worst, ratio);
+        }
+    }
+    return tally;
+}
+
+/// In double and in float.
+void check_kind(Shape shape, Kind kind, int draws, bool scale, int percent) {
+    for (const FloatFormat& format : {binary64, binary32}) {
+        for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
+            const Tally tally = try_kind(shape, kind, format, perturbed, draws, scale);
+            INFO(row_of(shape).name << ", kind " << static_cast<int>(kind) << ", " << format.precision << " bits, "
+                                    << (perturbed == Perturbed::normwise ? "normwise" : "componentwise"));
+            CHECK(tally.trials >= draws / 3);
+            CHECK(tally.beyond == 0);
+            CHECK(tally.worst > 0.99);
+            CHECK(tally.loose * 100 <= tally.trials * percent);
+        }
+    }
+}
+
+double inherent_bits(const Ray<double>& ray, const Solid<double>& solid, Length length = Length::parameter) {
+    const Truth truth = find_truth(ray, solid);
+    REQUIRE(truth.is_hit());
+    const Certified& answer = length == Length::distance ? truth.distance : truth.t;
+    return measure::truth::inherent_bits(measure::truth::reach(ray, solid, answer, length, binary64), answer, binary64);
+}
+
+}  // namespace
+
+// A ray in the plane of a face of a box whose direction leaves that plane by 2^-900 of itself enters anywhere between.
+TEST_CASE("answers at every shape move no further than they can reach, and as far", "[reach]") {
+    for (const ShapeRow& row : shape_rows) {
+        for (const Kind kind : {Kind::random, Kind::whole, Kind::far})
+            check_kind(row.shape, kind, test::draws(60), false, 6);
+        if (row.shape != shape_as<Tube>)  // through a rim exactly
+            check_kind(row.shape, Kind::tiny_parts, test::draws(60), false, row.shape == shape_as<Box> ? 35 : 6);
+    }
+}
+
+TEST_CASE("answers at every exponent move no further than they can reach, and as far", "[reach]") {
+    for (const ShapeRow& row : shape_rows)
+        for (const Kind kind : {Kind::random, Kind::whole}) check_kind(row.shape, kind, test::draws(20), true, 8);
+}
+
+TEST_CASE("inherent bits of rays across an axis, with tiny components and at the end of the exponents", "[reach]") {
+    const Capsule<double> capsule{{0, 0, -1}, {0, 0, 1}, 1};
+    const double across = inherent_bits({{-4, 0.125, 1.25}, {1, 0, 0}}, capsule);
+    CHECK(across == Approx(2.1).margin(0.1));
+    CHECK(inherent_bits({{-4, 0.125, 1.25}, {1, 0, 0x1p-60}}, capsule) == Approx(across).margin(0.01));
+    const Sphere<double> sphere{{0, 0, 0}, 1};
+    const double along = inherent_bits({{-4, 0, 0}, {1, 0, 0}}, sphere);
+    CHECK(along == Approx(2).margin(0.1));
+    for (const double tiny : {0x1p-600, 0x1p-1000}) CHECK(inherent_bits({{-4, 0, 0}, {1, 0, tiny}}, sphere) == along);
+    const Ray<double> ray{{-0x1f7ae8a9aba069p-1074, -0x1261acd148eb7bp-1074, 0x159195bac67929p-1074},
+                          {0x89adafdb0ebb5p-1071, 0x16bcd0e3a28603p-1074, -0xe6e3ea7ebff1fp-1072}};
+    const Sphere<double> least{{0x11fae421b59d93p-1074, 0x45437827c05a5p-1074, -0x1a937274a4e255p-1074},
+                               0x9a4f95e1a59ffp-1074};
+    // As exact fractions have it, of the distance's own differences.
+    CHECK(inherent_bits(ray, least, Length::distance) == Approx(1.1836035629).epsilon(1e-9));
+}
+
+}  // namespace lostbits::test::test_reach_of_kinds
