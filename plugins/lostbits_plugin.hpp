@@ -24,7 +24,8 @@
 namespace lostbits_plugin {
 
 /// What a function may take of a ray: the ray, or the segment from its origin to a point behind the solid (or to the
-/// ray's end), from + length direction, where directions have unit length. Of a segment the answer is a fraction.
+/// ray's end), from + length direction, where directions have unit length. Of a segment an answer in t is a fraction of
+/// its length; a point is a point.
 template <class T>
 struct Ray {
     T origin[3], direction[3];
@@ -124,16 +125,17 @@ struct Points {
         : hit(true), near{first[0], first[1], first[2]}, far{second[0], second[1], second[2]} {}
 };
 
+/// The t of an answer. A number counts in `lengths`: 1 of a ray, the length of a segment. A point lies where it is.
 template <class T>
-Answer<T> answer_of(const Answer<T>& a, const Ray<T>&) {
-    return a;
+Answer<T> answer_of(const Answer<T>& a, const Ray<T>&, T lengths) {
+    return a.hit ? Answer<T>(a.near * lengths, a.far * lengths) : Answer<T>(miss);
 }
 template <class T>
-Answer<T> answer_of(const Thickness<T>& a, const Ray<T>&) {
-    return a.hit ? Answer<T>(a.near, a.near + a.thickness) : Answer<T>(miss);
+Answer<T> answer_of(const Thickness<T>& a, const Ray<T>& ray, T lengths) {
+    return answer_of(a.hit ? Answer<T>(a.near, a.near + a.thickness) : Answer<T>(miss), ray, lengths);
 }
 template <class T>
-Answer<T> answer_of(const Points<T>& a, const Ray<T>& ray) {
+Answer<T> answer_of(const Points<T>& a, const Ray<T>& ray, T) {
     if (!a.hit) return miss;
     const auto size = [&ray](int k) { return ray.direction[k] < 0 ? -ray.direction[k] : ray.direction[k]; };
     int k = size(1) > size(0) ? 1 : 0;
@@ -241,20 +243,20 @@ T reach(const T* n, const Ray<T>& ray) {
     return ray.end < far ? ray.end : far;
 }
 
-/// Calls a function with what it takes, for one ray.
+/// Calls a function with what it takes, for one ray. `lengths` becomes the length of the segment that it was given.
 template <class R, class T, class S>
 R call(R (*function)(const Ray<T>&, const S&), Ray<T>& ray, const T* n, T&) {
     const S solid = SolidOf<S>::make(n, ray);
     return function(ray, solid);
 }
 template <class R, class T, class S>
-R call(R (*function)(const Segment<T>&, const S&), Ray<T>& ray, const T* n, T& scale) {
-    scale = reach<SolidOf<S>::shape>(n, ray);
+R call(R (*function)(const Segment<T>&, const S&), Ray<T>& ray, const T* n, T& lengths) {
+    lengths = reach<SolidOf<S>::shape>(n, ray);
     const S solid = SolidOf<S>::make(n, ray);
     Segment<T> segment{};
     for (int k = 0; k < 3; ++k) {
         segment.from[k] = ray.origin[k];
-        segment.to[k] = ray.origin[k] + scale * ray.direction[k];
+        segment.to[k] = ray.origin[k] + lengths * ray.direction[k];
     }
     return function(segment, solid);
 }
@@ -264,8 +266,9 @@ struct Traits;
 template <class R, template <class> class A, class T, class S>
 struct Traits<R (*)(const A<T>&, const S&)> {
     using Number = T;
-    static_assert(!(std::is_same_v<A<T>, Segment<T>> && SolidOf<S>::shape == LB_TRIANGLE),
-                  "a segment ends behind its solid, and behind a triangle is no place: take a Ray");
+    static_assert(!(std::is_same_v<A<T>, Segment<T>> &&
+                    (SolidOf<S>::shape == LB_TRIANGLE || SolidOf<S>::shape == LB_PLANE)),
+                  "a segment ends behind its solid, and behind a triangle or a plane is no place: take a Ray");
     static constexpr int shape = SolidOf<S>::shape;
     static constexpr bool hit_only = std::is_same_v<R, bool>;
     static constexpr bool of_segments = std::is_same_v<A<T>, Segment<T>>;
@@ -286,15 +289,15 @@ const char* run(const lb_batch* batch) {
                        {ray[3], ray[4], ray[5]},
                        ends ? ends[i] : static_cast<T>(__builtin_huge_val()),
                        starts ? starts[i] : T(0)};
-            T scale = 1;  // of a fraction, the segment's length
-            const auto told = call(function, one, solid, scale);
+            T lengths = 1;
+            const auto told = call(function, one, solid, lengths);
             if constexpr (Of::hit_only) {
                 batch->hit[i] = told ? 1 : 0;
             } else {
-                const Answer<T> answer = answer_of(told, one);
+                const Answer<T> answer = answer_of(told, one, lengths);
                 batch->hit[i] = answer.hit ? 1 : 0;
-                near_far[2 * i] = Of::of_segments ? answer.near * scale : answer.near;
-                near_far[2 * i + 1] = Of::of_segments ? answer.far * scale : answer.far;
+                near_far[2 * i] = answer.near;
+                near_far[2 * i + 1] = answer.far;
             }
         }
     } catch (const std::exception& error) {

@@ -57,11 +57,11 @@ function reach(origin, solid, end) {
     return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
 }
 
-/** What a function answered, as [near, far] in t. */
+/** What a function answered, as [near, far] in t: a number counts in lengths, a point lies where it is. */
 const answers = {
-    t: (a) => [a, a].flat().slice(0, 2),
-    thickness: ([near, thickness]) => [near, near + thickness],
-    point: (point, origin, direction) => {
+    t: (a, { length }) => [a, a].flat().slice(0, 2).map((t) => t * length),
+    thickness: ([near, thickness], { length }) => [near * length, (near + thickness) * length],
+    point: (point, { origin, direction }) => {
         const size = direction.map(Math.abs), k = size.indexOf(Math.max(...size));
         const t = (p) => (p[k] - origin[k]) / direction[k];
         return Array.isArray(point[0]) ? point.map(t) : [t(point), t(point)];
@@ -70,12 +70,14 @@ const answers = {
 
 /**
  * Answers with `mine(origin, direction, solid, end, start)`, where `start` is 0 but for `flags: "range"`, or with
- * `mine(from, to, solid)` where `takes` is "segment" (its answer is a fraction then). `words` are the header's keys,
- * and `takes` and `answers` ("t", "point", "thickness"). Numbers are doubles.
+ * `mine(from, to, solid)` where `takes` is "segment" (t and thickness are fractions of its length then). `words` are
+ * the header's keys, and `takes` and `answers` ("t", "point", "thickness"). Numbers are doubles.
  */
 export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     const keys = { shape: "sphere", direction: takes === "segment" ? "unit" : "any", ...words, format: "f64" };
     const { name, ...rest } = keys;
+    if (takes === "segment" && ["triangle", "plane"].includes(keys.shape))
+        throw new Error(`a segment ends behind its solid, and behind a ${keys.shape} is no place: take a ray`);
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];
@@ -92,14 +94,14 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
         const near_far = new Float64Array(bytes.buffer, 8, 2 * n);
         for (let i = 0; i < n; ++i) {
             const [origin, direction] = [0, 3].map((k) => [...rays.subarray(6 * i + k, 6 * i + k + 3)]);
-            const solid = solid_of([...numbers.subarray(many === 1 ? 0 : width * i)].slice(0, width));
+            const first = many === 1 ? 0 : width * i, solid = solid_of([...numbers.subarray(first, first + width)]);
             const end = ended ? ends[i] : Infinity;
             const length = takes === "segment" ? reach(origin, solid, end) : 1;
             const answer = takes === "segment" ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid) :
                                                  mine(origin, direction, solid, end, starts[i] ?? 0);
             if (answer === undefined || answer === null || answer === false) continue;
             bytes[8 + 16 * n + i] = 1;
-            if (answer !== true) near_far.set(t_of(answer, origin, direction).map((t) => t * length), 2 * i);
+            if (answer !== true) near_far.set(t_of(answer, { origin, direction, length }), 2 * i);
         }
         write(bytes);
     }

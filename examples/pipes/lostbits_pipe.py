@@ -45,20 +45,23 @@ def reach(origin, solid, end):
     return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(solid, "radius", 0))
 
 
-def roots_of(answer, kind, origin, direction):
-    """What a function answered, as (near, far) in t."""
+def roots_of(answer, kind, origin, direction, length):
+    """What a function answered, as (near, far) in t: a number counts in lengths, a point lies where it is."""
     if kind == "thickness":
-        return answer[0], answer[0] + answer[1]
+        return answer[0] * length, (answer[0] + answer[1]) * length
     if kind == "point":
         k = max(range(3), key=lambda i: abs(direction[i]))
         points = answer if hasattr(answer[0], "__len__") else (answer, answer)
         return tuple((p[k] - origin[k]) / direction[k] for p in points)
-    return tuple(answer) if hasattr(answer, "__len__") else (answer, answer)
+    return tuple(t * length for t in answer) if hasattr(answer, "__len__") else (answer * length, answer * length)
 
 
 def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
-    """Answers with `mine`; where `takes` is "segment", with mine(from, to, solid), whose answer is a fraction. `words`
-    are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
+    """Answers with `mine`; where `takes` is "segment", with mine(from, to, solid), whose t and thickness are fractions
+    of its length. `words` are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of
+    Python, which are doubles."""
+    if takes == "segment" and shape in ("triangle", "plane"):
+        raise ValueError(f"a segment ends behind its solid, and behind a {shape} is no place: take a ray")
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
     out = sys.stdout.buffer
@@ -90,7 +93,6 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
                 continue
             hits[i] = 1
             if answer is not True:
-                near, far = roots_of(answer, answers, origin, direction)
-                near_far[2 * i], near_far[2 * i + 1] = near * length, far * length
+                near_far[2 * i], near_far[2 * i + 1] = roots_of(answer, answers, origin, direction, length)
         out.write(struct.pack("<4sI", b"LBA1", 0) + near_far.tobytes() + bytes(hits))
         out.flush()

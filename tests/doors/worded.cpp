@@ -161,6 +161,19 @@ Answer<float> of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
     for (int k = 0; k < 3; ++k) ray.direction[k] = s.to[k] - s.from[k];
     return exit_inside(ray, sphere);
 }
+Points<float> point_of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
+    const Answer<float> share = of_segment(s, sphere);
+    if (!share.hit) return miss;
+    float point[3];
+    for (int k = 0; k < 3; ++k) point[k] = s.from[k] + share.near * (s.to[k] - s.from[k]);
+    return point;
+}
+Thickness<float> thickness_of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
+    Ray<float> ray{{s.from[0], s.from[1], s.from[2]}, {}, 1};
+    for (int k = 0; k < 3; ++k) ray.direction[k] = s.to[k] - s.from[k];
+    const Roots r = roots(ray, sphere);
+    return r.hit ? Thickness<float>(static_cast<float>(r.near), static_cast<float>(r.far - r.near)) : miss;
+}
 Answer<float> of_centre(const Ray<float>& ray, const CentreBox<float>& b) {
     Box<float> box{};
     for (int k = 0; k < 3; ++k) box.lo[k] = b.centre[k] - b.half[k], box.hi[k] = b.centre[k] + b.half[k];
@@ -217,6 +230,8 @@ LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses
                form<misses_inside<B>>("word.box_near").near_root().ignores_end(),               //
                form<endless>("word.endless").ignores_end(),                                     //
                form<of_segment>("word.segment").first_root(),                                   //
+               form<point_of_segment>("word.segment_point").first_root(),                       //
+               form<thickness_of_segment>("word.segment_thickness").whole_line(),               //
                form<of_centre>("word.centre").first_root().ignores_end(),                       //
                form<of_origin>("word.at_origin").first_root(),                                  //
                form<thickness>("word.thickness").whole_line(),                                  //
