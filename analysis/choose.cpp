@@ -145,6 +145,7 @@ std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const
             formats.front().name));
     auto all = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(all, "choose");
+    selection::refuse_contracted(all, "choose");
     auto rows = selection::timed_on(id, {all, o.forms, quiet}, meets);
     selection::note_unmeasured(o.forms, rows, quiet);
     return rows;

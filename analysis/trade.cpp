@@ -78,6 +78,7 @@ Exit run(const TradeOptions& o, const Common& common) {
             "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", emulated->name));
     auto rows = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(rows, "trade");
+    selection::refuse_contracted(rows, "trade");
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
     if (!o.scene.empty()) scene = selection::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);

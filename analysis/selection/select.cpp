@@ -8,6 +8,7 @@
 #include "analysis/selection/options.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
+#include "scene/rays/made_rows.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::selection {
@@ -67,7 +68,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
     std::vector<const Intersector*> forms, sets;
     for (const std::string& word : globs) {
         const bool of_several = names_set(word);
-        if (!of_several && word.find_first_of("@^") == std::string::npos) {
+        if (!of_several && !scene::rays::made_name(word)) {
             alone.push_back(word);
             continue;
         }

@@ -148,6 +148,8 @@ private:
 /// InputError for a form with a way to make rays, of a command that gives forms the camera's own.
 void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
 void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
+/// InputError for FORM+fma, whose time is not measured.
+void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 
 /// InputError for a scene whose rays each format makes, of a command that rounds them.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);

@@ -8,6 +8,8 @@
 #include "analysis/selection/select.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
+#include "measure/tape/contraction.hpp"
+#include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/rays/made_rows.hpp"
@@ -186,22 +188,20 @@ std::string plurals(Shapes shapes) { return joined_plurals(listed(shapes)); }
 
 bool names_set(const std::string& word) {
     const auto all = intersect::table::intersectors();
-    return word.find('+') != std::string::npos &&
+    return scene::rays::forms_in_name(word).size() > 1 &&
            std::ranges::none_of(all, [&word](const Intersector& form) { return form.info->name == word; });
 }
 
 Forms sets_named(const std::string& word, const char* option) {
     std::vector<Forms> parts;
-    for (std::size_t begin = 0; begin <= word.size();) {
-        const std::size_t end = std::min(word.find('+', begin), word.size());
-        if (end == begin)
+    for (const std::string& part : scene::rays::forms_in_name(word)) {
+        if (part.empty())
             throw InputError(
                 fmt::format("{} {}: no form stands on one side of a +; name a form for each shape, such "
                             "as sphere.unified+box.signs",
                             option, word));
-        parts.push_back(select_forms({word.substr(begin, end - begin)}, option));
+        parts.push_back(select_forms({part}, option));
         for (const Intersector* const form : parts.back()) scene::rays::without_maker(*form);
-        begin = end + 1;
     }
     return combinations(parts, fmt::format("{} {}", option, word));
 }
@@ -219,7 +219,10 @@ const Intersector& plain_set(Shapes shapes) {
 Forms made_named(const std::string& word, const char* option) {
     using Kind = scene::rays::MadeName::Kind;
     const auto name = scene::rays::made_name(word).value();
-    const bool is_box = name.kind == Kind::box;
+    const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
+    if (is_contracted && name.form.empty())
+        throw InputError(fmt::format(
+            "{} {}: no form stands before the +fma; write FORM+fma, such as sphere.schoolbook+fma", option, word));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
             "{} {}: no form, or no {}, stands beside the {}; write {}", option, word, is_box ? "box" : "space",
@@ -231,9 +234,12 @@ Forms made_named(const std::string& word, const char* option) {
         rows_of(name, {.forms =
                            [&](const std::string& glob) {
                                Forms forms = select_forms({glob}, option);
-                               // A form that marches has no space of a solid; named, it says so.
-                               if (name.kind == Kind::space && is_glob(name.form))
-                                   std::erase_if(forms, [](const Intersector* form) { return !is_solid(form->shape); });
+                               // A form that marches has no space of a solid, and one that decides by itself what it
+                               // does to a ray has no list of operations; named, they say so.
+                               std::erase_if(forms, [&](const Intersector* form) {
+                                   return is_glob(name.form) && ((name.kind == Kind::space && !is_solid(form->shape)) ||
+                                                                 (is_contracted && !measure::tape::has_tape(*form)));
+                               });
                                return forms;
                            },
                        .spaces =
@@ -247,7 +253,13 @@ Forms made_named(const std::string& word, const char* option) {
                        .hulls =
                            [option](const std::string& glob) {
                                return select_rows(intersect::hull::hulls(), {glob}, "hull", option);
-                           }});
+                           },
+                       .contracted = measure::tape::contracted_row});
+    if (all.empty() && is_contracted)
+        throw NothingSelected(
+            fmt::format("{} {}: every form that matches marches, filters or shows no operations, so that none can be "
+                        "contracted; try 'sphere.schoolbook+fma'",
+                        option, word));
     if (all.empty())
         throw NothingSelected(
             fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",
@@ -265,6 +277,21 @@ void refuse_makers(const Forms& forms, const char* command) {
 }
 void refuse_makers(const std::vector<TestedForm>& rows, const char* command) {
     refuse_makers(forms_in(rows, [](const Intersector&) { return true; }), command);
+}
+
+void refuse_contracted(const std::vector<TestedForm>& rows, const char* command) {
+    const auto contracted = [](const Intersector& form) {
+        return measure::tape::is_contracted(intersect::hull::innermost(form));
+    };
+    for (const TestedForm& row : rows) {
+        const auto& parts = row.form->parts;
+        if (contracted(*row.form) || std::ranges::any_of(parts, [&](const auto* part) { return contracted(*part); }))
+            throw InputError(
+                fmt::format("-i {}: {} measures time, and a contracted form is run operation by operation here, which "
+                            "takes longer than compiled code; use `lostbits map`, `sweep` or `judge`, or leave out "
+                            "+fma",
+                            row.form->info->name, command));
+    }
 }
 
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {

@@ -2,8 +2,7 @@
 // that models `Number`; adding a question to the laboratory means adding such a type.
 #pragma once
 
-// The one unit that measures what fast math costs says so itself (intersect/simd/variant_fastmath.cpp).
-#if defined(__FAST_MATH__) && !defined(LOSTBITS_MEASURES_FAST_MATH)
+#if defined(__FAST_MATH__)
 #error "lostbits measures IEEE 754 arithmetic: -ffast-math (and -Ofast) void every number it prints"
 #endif
 

@@ -63,8 +63,11 @@ public:
                 if (!w.label.empty()) static_cast<void>(named(w.label, numbers_.back()));
             }
         }
-        const T t = numbers_[place_[static_cast<std::size_t>(formula_.t)]];
-        return {masks_[place_[static_cast<std::size_t>(formula_.hit)]], t, t, t};
+        const auto answer = [&](NodeId i) {
+            return numbers_[place_[static_cast<std::size_t>(i == no_node ? formula_.t : i)]];
+        };
+        return {masks_[place_[static_cast<std::size_t>(formula_.hit)]], answer(formula_.t), answer(formula_.near),
+                answer(formula_.far)};
     }
 
 private:
@@ -84,7 +87,8 @@ private:
             case TapeOp::mul: return w.operands[0] == w.operands[1] ? square(x(w, 0)) : x(w, 0) * x(w, 1);
             case TapeOp::div: return x(w, 0) / x(w, 1);
             case TapeOp::sqrt: return sqrt(x(w, 0));
-            case TapeOp::fma: return fma(x(w, 0), x(w, 1), x(w, 2));
+            case TapeOp::fma:
+                return w.operands[0] == w.operands[1] ? fma_square(x(w, 0), x(w, 2)) : fma(x(w, 0), x(w, 1), x(w, 2));
             case TapeOp::neg: return -x(w, 0);
             case TapeOp::abs: return abs(x(w, 0));
             case TapeOp::copysign: return copysign(x(w, 0), x(w, 1));
@@ -141,7 +145,8 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
                                  rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         const Hit<T> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
         hits.hit[i] = hit.hit;
-        hits.t[i] = hits.near[i] = hits.far[i] = static_cast<S>(as_double(hit.t));
+        hits.t[i] = static_cast<S>(as_double(hit.t));
+        hits.near[i] = static_cast<S>(as_double(hit.near)), hits.far[i] = static_cast<S>(as_double(hit.far));
     }
 }
 
@@ -235,6 +240,8 @@ void require_sense(const WrittenFormula& f) {
     };
     if (!is_one(f.hit, true)) throw InputError(f.name + ": hit is not the place of a decision");
     if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the place of a number");
+    for (const NodeId i : {f.near, f.far})
+        if (i != no_node && !is_one(i, false)) throw InputError(f.name + ": near or far is not the place of a number");
 }
 
 WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)

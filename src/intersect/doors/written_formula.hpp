@@ -22,12 +22,13 @@ struct WrittenOperation {
     std::string label{};  ///< as `named` would give it; empty: none
 };
 
-/// The operations, and which of them are the decision and the t.
+/// The operations, and which of them are the decision, the t, and the line parameters of both intersections.
 struct WrittenFormula {
     std::string name;  ///< for messages
     Shape shape{};
     std::vector<WrittenOperation> operations;
     NodeId hit = no_node, t = no_node;
+    NodeId near = no_node, far = no_node;  ///< none: t
 };
 
 /// InputError, which names the operation, for one that is unknown, that takes what comes after it, or a decision where

@@ -14,6 +14,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing.hpp"
+#include "measure/tape/contraction.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -108,7 +109,8 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
-    if (const auto made = scene::rays::made_name(form); made && form.find('+') == std::string::npos) {
+    const std::vector<std::string> names = scene::rays::forms_in_name(form);
+    if (const auto made = scene::rays::made_name(form); made && names.size() == 1) {
         return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
                                 .spaces =
                                     [&](const std::string& name) {
@@ -122,22 +124,19 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
                                     [&](const std::string& name) {
                                         return part_named(claim, intersect::hull::hulls(), name,
                                                           "way of computing a box");
-                                    }})
+                                    },
+                                .contracted = tape::contracted_row})
                     .front();
     }
-    if (form.find('+') == std::string::npos) {
-        std::vector<std::string> names;
-        for (const intersect::table::Intersector& row : rows) names.emplace_back(row.info->name);
+    if (names.size() == 1) {
+        std::vector<std::string> known;
+        for (const intersect::table::Intersector& row : rows) known.emplace_back(row.info->name);
         scene::toml::fail(claim.where, "unknown form \"" + form +
                                            "\" (a form of your own comes by --plugin, --pipe or --shader); " +
-                                           scene::toml::did_you_mean(form, names));
+                                           scene::toml::did_you_mean(form, known));
     }
     std::vector<const intersect::table::Intersector*> parts;
-    for (std::size_t begin = 0; begin <= form.size();) {
-        const std::size_t end = std::min(form.find('+', begin), form.size());
-        parts.push_back(&scene::rays::without_maker(form_named(claim, form.substr(begin, end - begin))));
-        begin = end + 1;
-    }
+    for (const std::string& name : names) parts.push_back(&scene::rays::without_maker(form_named(claim, name)));
     if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())
         scene::toml::fail(claim.where, "form \"" + form + "\": " + why);
     return intersect::table::set_of(parts);

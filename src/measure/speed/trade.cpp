@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 
-#include "intersect/simd/variants.hpp"
 #include "measure/speed/scene_work.hpp"
 #include "shapes/lift.hpp"
 
@@ -102,12 +101,10 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     const Solid<float> solid = lift_solid<float>(pool.solid);
     const Ray<float> ray{narrow(hit.origin), narrow(hit.direction)};
     for (const TradeKernel& k : request.kernels) {
-        // Not of the kernel's own row: that of other compiler flags is the same formula, and has no counts.
-        const auto row = std::ranges::find(intersect::table::intersectors(), k.form, &Intersector::info);
-        const bool counts = row != intersect::table::intersectors().end() && row->count != nullptr;
+        const auto& count = k.measured.form->count;
         result.operations.push_back(
-            counts ? row->count(ray, intersect::Target<float>(solid), std::numeric_limits<float>::infinity())
-                   : OperationCounts{});
+            count ? count(ray, intersect::Target<float>(solid), std::numeric_limits<float>::infinity())
+                  : OperationCounts{});
     }
 }
 
@@ -128,22 +125,13 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
     for (const TestedForm& row : rows) {
-        const intersect::Info* const form = row.form->info;
         // A row through the space of a solid takes the registers of the run.
         const auto isas = row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
                                                           : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {
             if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
             const intersect::simd::PackedRow packed = packed_kernels(*row.form, isa);
-            add({.measured = row, .form = form, .isa = name_of(isa)}, packed.f32, packed.f64);
-        }
-        if (row.form->is_set()) continue;
-        const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
-        if (number >= intersect::table::catalogue().size()) continue;  // nobody compiled it with other flags
-        for (const intersect::simd::Variant& variant : intersect::simd::variants()) {
-            const Intersector& made = variant.rows[number];
-            add({.measured = {&made, row.format}, .form = form, .isa = name_of(variant.isa), .variant = variant.name},
-                made.native32, made.native64);
+            add({.measured = row, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
     }
     return kernels;

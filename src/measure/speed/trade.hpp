@@ -14,15 +14,12 @@ namespace lostbits::measure::speed {
 /// with the same `measured` give the same bits.
 struct TradeKernel {
     evaluate::TestedForm measured;  ///< what its accuracy is that of
-    const intersect::Info* form;    ///< as it is written
     std::string_view isa;           ///< `scalar`, `128`, ...
-    std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
     decltype(intersect::table::Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
     decltype(intersect::table::Intersector::native64) f64 = nullptr;
 };
 
-/// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler
-/// flags, in the order of rows, then widths, then variants.
+/// Every selected row (f32 and f64 alone) on every instruction set that there is, in the order of rows, then widths.
 std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.

@@ -98,22 +98,29 @@ void run_program(void* own, const intersect::table::RayBatch<S>& rays, const int
 
 }  // namespace
 
-Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
-    const std::string name(form.info->name);
-    if (!is_solid(form.shape))
-        throw InputError(name + ": it marches, and every ray does other operations; name a form of a solid");
-    if (form.is_set()) throw InputError(name + ": these are several forms; name one");
+namespace {
+
+/// What stands in the way of a tape of all that a form does; empty: nothing.
+std::string refusal_of_tape(const Intersector& form) {
+    if (!is_solid(form.shape)) return "it marches, and every ray does other operations; name a form of a solid";
+    if (form.is_set()) return "these are several forms; name one";
     if (intersect::hull::innermost(form).way)
-        throw InputError(name +
-                         ": it filters, and decides by itself how far to go with each ray; name a form that does the "
-                         "same to all");
+        return "it filters, and decides by itself how far to go with each ray; name a form that does the same to all";
     if (intersect::hull::has_box(form))
-        throw InputError(name + ": name the form without its box, such as " +
-                         std::string(intersect::hull::innermost(form).info->name));
+        return "name the form without its box, such as " + std::string(intersect::hull::innermost(form).info->name);
     if (!form.record)
-        throw InputError(name +
-                         ": its operations are not known, since it is compiled elsewhere; write it as a form over any "
-                         "number to see them (docs/your-own-form.md)");
+        return "its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
+               "see them (docs/your-own-form.md)";
+    return {};
+}
+
+}  // namespace
+
+bool has_tape(const Intersector& form) { return refusal_of_tape(form).empty(); }
+
+Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
+    if (const std::string why = refusal_of_tape(form); !why.empty())
+        throw InputError(std::string(form.info->name) + ": " + why);
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     Solid<double> solid(form.shape);
     for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<double>(k + 1);

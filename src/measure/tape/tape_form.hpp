@@ -14,6 +14,8 @@ namespace lostbits::measure::tape {
 /// seen, that marches or that is several. `from_inverse`: of solids under matrices that are stored as the way to the
 /// solid.
 Tape tape_of(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
+/// Whether there is such a tape.
+bool has_tape(const intersect::table::Intersector& form);
 
 /// The inputs on the tape of a form, in its order (`input_names`), and the ray and the solid that they stand for: one
 /// like `like` in what is no number.

@@ -231,8 +231,7 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
         Json points = Json::array();
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
-            points.push_back({{"form", kernel.form->name},
-                              {"name", kernel.measured.form->info->name},
+            points.push_back({{"form", kernel.measured.form->info->name},
                               {"format", kernel.measured.format.name},
                               {"registers", speed::registers_of(kernel)},
                               {"time_ns", number_json(all[k].time_ns)},

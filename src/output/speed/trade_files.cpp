@@ -142,20 +142,16 @@ namespace {
 
 /// How a kernel is drawn.
 struct KernelMark {
-    std::string_view isa, variant;
+    std::string_view isa;
     int marker;
     const char* label;
 };
-constexpr KernelMark kernel_marks[] = {{"scalar", "", 0, "one ray at a time"},
-                                       {"128", "", 1, "128-bit registers"},
-                                       {"256", "", 2, "256-bit"},
-                                       {"512", "", 3, "512-bit"},
-                                       {"256", "contract", 4, "256-bit, contracted"},
-                                       {"256", "fastmath", 5, "256-bit, fast math"}};
+constexpr KernelMark kernel_marks[] = {{"scalar", 0, "one ray at a time"},
+                                       {"128", 1, "128-bit registers"},
+                                       {"256", 2, "256-bit"},
+                                       {"512", 3, "512-bit"}};
 
-bool is_marked_so(const TradeKernel& kernel, const KernelMark& mark) {
-    return kernel.isa == mark.isa && kernel.variant == mark.variant;
-}
+bool is_marked_so(const TradeKernel& kernel, const KernelMark& mark) { return kernel.isa == mark.isa; }
 
 int marker_of(const TradeKernel& kernel) {
     const auto found =
@@ -221,7 +217,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
                           // One's own form is looked for wherever it is.
-                          .named = !map::is_of_catalogue(*kernel.form),
+                          .named = !map::is_of_catalogue(*kernel.measured.form->info),
                           .hollow = !all[k].never_wrong()});
     }
     add_front(spec, points);

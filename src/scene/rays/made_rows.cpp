@@ -57,8 +57,27 @@ const Intersector& without_maker(const Intersector& row) {
     return row;
 }
 
+std::vector<std::string> forms_in_name(const std::string& name) {
+    const auto is_suffix = [&name](std::size_t plus) {
+        const std::size_t behind = plus + contracted_suffix.size();
+        return name.compare(plus, contracted_suffix.size(), contracted_suffix) == 0 &&
+               (behind == name.size() || std::string_view("+@^").find(name[behind]) != std::string_view::npos);
+    };
+    std::vector<std::string> forms{""};
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        if (name[i] == '+' && !is_suffix(i)) forms.emplace_back();
+        else forms.back() += name[i];
+    }
+    return forms;
+}
+
 std::optional<MadeName> made_name(const std::string& name) {
     using Kind = MadeName::Kind;
+    if (name.ends_with(contracted_suffix))
+        return MadeName{Kind::contracted,
+                        name.substr(0, name.size() - contracted_suffix.size()),
+                        std::string(contracted_suffix.substr(1)),
+                        {}};
     const std::size_t at = name.find_last_of("@^");
     if (at == std::string::npos) return std::nullopt;
     MadeName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
@@ -77,6 +96,7 @@ std::vector<const Intersector*> rows_of(const MadeName& name, const NamedParts& 
     std::vector<const Intersector*> all;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
+            case MadeName::Kind::contracted: all.push_back(&parts.contracted(without_maker(*form))); break;
             case MadeName::Kind::maker:
                 for (const Maker* const maker : parts.makers(name.last)) all.push_back(&with_maker(*maker, *form));
                 break;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "intersect/simd/variants.hpp"
 #include "measure/rows.hpp"
 #include "measure/speed/scene_work.hpp"
 #include "measure/speed/trade.hpp"
@@ -162,32 +161,14 @@ TEST_CASE("rays of a scene are taken evenly over it, and held against the solids
     CHECK(missing.solids() == 1);
 }
 
-TEST_CASE("a kernel for every row, width and variant", "[trade]") {
+TEST_CASE("a kernel for every row and width", "[trade]") {
     const auto kernels = measure::speed::trade_kernels(
         {row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
-    CHECK(kernels.size() == 3 * (intersect::simd::available_isas().size() + intersect::simd::variants().size()));
+    CHECK(kernels.size() == 3 * intersect::simd::available_isas().size());
     for (const measure::speed::TradeKernel& k : kernels) {
         CHECK((k.f32 != nullptr) == (k.measured.format.name == "f32"));
         CHECK((k.f64 != nullptr) == (k.measured.format.name == "f64"));
         if (k.isa == "scalar" && k.f32) CHECK(k.f32 == k.measured.form->native32);
-        if (k.variant.empty()) CHECK(k.form == k.measured.form->info);
-        else CHECK(k.measured.form->info->name == std::string(k.form->name) + "+" + std::string(k.variant));
-    }
-}
-
-// Each ray of a set has a solid of its own. Rows of other flags were once asked about the first solid alone.
-TEST_CASE("what other flags make of a form is measured against the solid of each ray", "[trade]") {
-    for (const char* const form : {"sphere.double_inside", "triangle.undivided"}) {
-        std::vector<measure::evaluate::TestedForm> rows;
-        for (const measure::speed::TradeKernel& k : measure::speed::trade_kernels({row(form, "f32")}))
-            if (!k.variant.empty()) rows.push_back(k.measured);
-        CHECK(rows.size() == intersect::simd::variants().size());
-        const Shape shape = form_named(form).shape;
-        for (const auto& summary :
-             measure::evaluate::measure_groups(measure::speed::ray_sets(shape).front().groups(), rows, {}, {})) {
-            CHECK(summary.count(measure::answer::Outcome::agree_hit) > summary.rays / 4);
-            CHECK(summary.wrong_count() < summary.rays / 50);
-        }
     }
 }
 

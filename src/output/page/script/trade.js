@@ -118,14 +118,14 @@ function walkPoints(by) {
     sayPoint(p);
 }
 
-const hasRow = (map, p) => map.rows.some((r) => r.form === p.name && r.format === p.format);
+const hasRow = (map, p) => map.rows.some((r) => r.form === p.form && r.format === p.format);
 /** The map that is shown where it has the point's form, otherwise the first that has. */
 const mapOf = (p) => (index.maps.length > 0 && hasRow(mapNow(), p) ? mapNow() : index.maps.find((m) => hasRow(m, p)));
 
 function showMapOf(p) {
     const map = p && mapOf(p);
     if (!map) return;
-    goTo({ form: p.name, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
+    goTo({ form: p.form, format: p.format, ...(map === mapNow() ? {} : { scene: map.id, x: -1, y: -1 }) });
     document.getElementById("maps").scrollIntoView();
 }
 

@@ -1,0 +1,245 @@
+#include "measure/tape/contraction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "intersect/doors/written_formula.hpp"
+#include "intersect/table/made_rows.hpp"
+#include "measure/tape/tape_form.hpp"
+#include "number/error.hpp"
+#include "scene/rays/made_rows.hpp"
+
+namespace lostbits::measure::tape {
+
+using intersect::doors::WrittenForm;
+using intersect::doors::WrittenFormula;
+using intersect::table::Intersector;
+using scene::rays::contracted_suffix;
+
+namespace {
+
+constexpr bool is_sum(TapeOp op) { return op == TapeOp::add || op == TapeOp::sub; }
+
+class Contraction {
+public:
+    explicit Contraction(const Tape& tape) : from_(tape), same_(tape.nodes.size()), takers_(tape.nodes.size()) {
+        for (NodeId i = 0; i < tape.size(); ++i) at(same_, i) = first_of(i);
+        find_takers();
+        for (NodeId i = 0; i < tape.size(); ++i)
+            if (tape[i].op == TapeOp::mul && same(i) == i) fuse(i);
+    }
+
+    Tape made() {
+        place_.assign(from_.nodes.size(), no_node);
+        for (NodeId i = 0; i < from_.size(); ++i) {
+            const bool needed = from_[i].op == TapeOp::input || !at(takers_, i).empty() || is_answer(i);
+            if (same(i) == i && needed && !dropped_.contains(i)) at(place_, i) = copied(i);
+        }
+        const auto [hit, t, near, far] = from_.outputs;
+        made_.outputs = {placed(hit), placed(t), placed(near), placed(far)};
+        return std::move(made_);
+    }
+
+private:
+    /// A sum of which a product is a part: how the product and the other operand count.
+    struct Fused {
+        NodeId product, addend;
+        bool minus_product, minus_addend;
+    };
+
+    template <class T>
+    static T& at(std::vector<T>& of, NodeId i) {
+        return of[static_cast<std::size_t>(i)];
+    }
+    [[nodiscard]] NodeId same(NodeId i) const { return i == no_node ? no_node : same_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_answer(NodeId i) const {
+        const auto [hit, t, near, far] = from_.outputs;
+        return std::ranges::any_of(std::array{hit, t, near, far}, [&](NodeId out) { return same(out) == i; });
+    }
+
+    /// The first operation that is the same: of the same operands, in any order where that makes no difference.
+    NodeId first_of(NodeId i) {
+        const TapeNode& n = from_[i];
+        std::array<NodeId, 3> operands = n.operands;
+        if (!is_given(n.op))
+            for (NodeId& operand : operands) operand = same(operand);
+        if (n.op == TapeOp::add || n.op == TapeOp::mul) {
+            if (operands[1] < operands[0]) std::swap(operands[0], operands[1]);
+        }
+        const double given = is_given(n.op) ? n.value : 0;
+        return first_.try_emplace({n.op, n.format, operands, std::bit_cast<std::uint64_t>(given)}, i).first->second;
+    }
+
+    /// Of each operation those that need it, once an operand, from the answers back.
+    void find_takers() {
+        std::vector<bool> needed(from_.nodes.size());
+        const auto [hit, t, near, far] = from_.outputs;
+        for (const NodeId out : {hit, t, near, far})
+            if (out != no_node) needed[static_cast<std::size_t>(same(out))] = true;
+        for (NodeId i = from_.size() - 1; i >= 0; --i) {
+            if (!needed[static_cast<std::size_t>(i)] || is_given(from_[i].op)) continue;
+            for (const NodeId operand : from_[i].operands) {
+                if (operand == no_node) continue;
+                needed[static_cast<std::size_t>(same(operand))] = true;
+                at(takers_, same(operand)).push_back(i);
+            }
+        }
+    }
+
+    /// `product`, or its negative, as a part of the sum; nothing where it is both parts, or the sum is fused already.
+    [[nodiscard]] std::optional<Fused> part_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
+        const TapeNode& n = from_[sum];
+        if (!is_sum(n.op) || n.format != from_[product].format || fused_.contains(sum)) return std::nullopt;
+        const NodeId a = same(n.operands[0]), b = same(n.operands[1]);
+        if (a == b) return std::nullopt;
+        const bool subtracts = n.op == TapeOp::sub;
+        if (a == part) return Fused{product, b, negative, subtracts};
+        return Fused{product, a, negative != subtracts, false};
+    }
+
+    /// Where all that takes a product is a sum, each of them is fused, and the product is gone.
+    void fuse(NodeId product) {
+        if (is_answer(product)) return;
+        std::vector<std::pair<NodeId, Fused>> sums;
+        std::vector<NodeId> negatives;
+        for (const NodeId taker : takers_[static_cast<std::size_t>(product)]) {
+            const bool negates = from_[taker].op == TapeOp::neg;
+            NodeId sum = taker;
+            if (negates) {
+                const auto& of_negative = takers_[static_cast<std::size_t>(taker)];
+                if (of_negative.size() != 1 || is_answer(taker)) return;
+                sum = of_negative.front();
+                negatives.push_back(taker);
+            }
+            const auto part = part_of(sum, taker == sum ? product : taker, product, negates);
+            if (!part) return;
+            sums.emplace_back(sum, *part);
+        }
+        if (sums.empty()) return;
+        fused_.insert(sums.begin(), sums.end());
+        dropped_.insert(product);
+        dropped_.insert(negatives.begin(), negatives.end());
+    }
+
+    [[nodiscard]] NodeId placed(NodeId i) const {
+        return i == no_node ? no_node : place_[static_cast<std::size_t>(same(i))];
+    }
+
+    NodeId copied(NodeId i) {
+        const TapeNode& n = from_[i];
+        const FloatFormat& format = from_.format_of(i);
+        if (n.op == TapeOp::input) return made_.add_input(format, n.value);
+        if (const auto fused = fused_.find(i); fused != fused_.end()) return fused_sum(i, fused->second);
+        std::array<NodeId, 3> operands = n.operands;
+        if (!is_given(n.op))
+            for (NodeId& operand : operands) operand = placed(operand);
+        const NodeId made = made_.add(n.op, format, n.value, {operands[0], operands[1], operands[2]});
+        made_[made].label = n.label;
+        return made;
+    }
+    NodeId fused_sum(NodeId i, const Fused& f) {
+        const FloatFormat& format = from_.format_of(i);
+        const TapeNode& product = from_[f.product];
+        const auto signed_part = [&](NodeId part, bool negative) {
+            const NodeId here = placed(part);
+            return negative ? made_.add(TapeOp::neg, format, -from_[part].value, {here}) : here;
+        };
+        const NodeId first = signed_part(product.operands[0], f.minus_product);
+        const NodeId second = placed(product.operands[1]), addend = signed_part(f.addend, f.minus_addend);
+        const NodeId made = made_.add(TapeOp::fma, format, from_[i].value, {first, second, addend});
+        made_[made].label = from_[i].label.empty() ? product.label : from_[i].label;
+        return made;
+    }
+
+    const Tape& from_;
+    std::map<std::tuple<TapeOp, std::uint8_t, std::array<NodeId, 3>, std::uint64_t>, NodeId> first_;
+    std::vector<NodeId> same_;
+    std::vector<std::vector<NodeId>> takers_;
+    std::map<NodeId, Fused> fused_;  ///< by the sum
+    std::set<NodeId> dropped_;       ///< products that every sum takes in, and their negatives
+    std::vector<NodeId> place_;
+    Tape made_;
+};
+
+/// The tape as a list of operations; nothing where it has two formats, which a list has not.
+std::shared_ptr<const WrittenFormula> list_of(const Tape& tape, Shape shape, std::string name) {
+    auto formula = std::make_shared<WrittenFormula>();
+    formula->name = std::move(name);
+    formula->shape = shape;
+    for (const TapeNode& n : tape.nodes) {
+        if (n.op == TapeOp::convert) return nullptr;
+        formula->operations.push_back({n.op, n.operands, n.value, std::string(n.label)});
+    }
+    const auto [hit, t, near, far] = tape.outputs;
+    formula->hit = hit, formula->t = t, formula->near = near, formula->far = far;
+    require_sense(*formula);
+    return formula;
+}
+
+/// A contracted form in the formats that registers compute in, and as lists for every other arithmetic.
+struct Contracted {
+    std::unique_ptr<TapeForm> in32, in64;
+    std::unique_ptr<WrittenForm> written;
+
+    Contracted(const Intersector& form, const std::string& name) {
+        std::array<std::shared_ptr<const WrittenFormula>, 2> lists;
+        const auto make = [&](const Format& format, std::unique_ptr<TapeForm>& in, auto& list) {
+            if (!form.exists_in(format)) return;
+            const Tape tape = contracted(tape_of(form, format));
+            in = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
+            list = list_of(tape, form.shape, name);
+        };
+        make(*find_format("f32"), in32, lists[0]);
+        make(*find_format("f64"), in64, lists[1]);
+        if (lists[0] != nullptr || lists[1] != nullptr) written = std::make_unique<WrittenForm>(lists[0], lists[1]);
+    }
+};
+
+using Rows = intersect::table::MadeRows<std::tuple<const Intersector*>>;
+Rows& rows() {
+    static Rows all;
+    return all;
+}
+
+void fill(Rows::Made& made) {
+    static std::deque<Contracted> all;  // rows point into it
+    const Intersector& form = *std::get<0>(made.parts);
+    made.name = std::string(form.info->name) + std::string(contracted_suffix);
+    made.title = std::string(form.info->title) + "; products that are added are rounded with the sum";
+    made.source = form.info->source;
+    made.tell_as(*form.info);
+    const Contracted& own = all.emplace_back(form, made.name);
+    made.row = {.info = &made.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
+    if (own.written) own.written->fill(made.row);
+    if (!form.rounded) made.row.rounded = nullptr;
+    if (own.in32) made.row.native32 = own.in32->row().native32;
+    if (own.in64) made.row.native64 = own.in64->row().native64;
+}
+
+}  // namespace
+
+Tape contracted(const Tape& tape) { return Contraction(tape).made(); }
+
+const Intersector& contracted_row(const Intersector& form) {
+    if (form.is_placed)
+        throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
+                         ": a form is contracted before it is taken through a space; write FORM" +
+                         std::string(contracted_suffix) + "@SPACE");
+    if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
+    if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // says why
+    return rows().row_of({&form}, fill);
+}
+
+bool is_contracted(const Intersector& row) { return std::get<0>(rows().parts_of(row)) != nullptr; }
+
+}  // namespace lostbits::measure::tape

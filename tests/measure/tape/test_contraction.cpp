@@ -1,0 +1,170 @@
+// A contracted form has the bits of compiled code that may contract, and is the form where nothing is rounded.
+#include "measure/tape/contraction.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "catch.hpp"
+#include "intersect/catalogue.hpp"
+#include "intersect/simd/packed_target.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "measure/rows.hpp"
+#include "measure/tape/contracted_width.hpp"
+#include "measure/tape/tape_form.hpp"
+#include "number/oracle.hpp"
+
+namespace lostbits::test::test_contraction {
+
+using namespace lostbits::measure::tape;
+using intersect::table::Intersector;
+
+namespace {
+
+/// Four inputs, and the answer f(a, b, c, d).
+template <class F>
+Tape tape_of_four(const F& f) {
+    using T = Recorded<float>;
+    Tape tape;
+    const Tape::Scope scope(tape);
+    const T a(2.0F), b(3.0F), c(5.0F), d(7.0F);
+    const T t = f(a, b, c, d);
+    tape.outputs = {(t > T(0)).node(), t.node(), t.node(), t.node()};
+    return tape;
+}
+
+/// How often an operation stands on what is left of a tape.
+template <class F>
+std::map<TapeOp, int> operations_of(const F& f) {
+    const Tape tape = contracted(tape_of_four(f));
+    std::map<TapeOp, int> counts;
+    for (const TapeNode& n : tape.nodes) ++counts[n.op];
+    return counts;
+}
+
+bool same_answer(const Hit<double>& a, const Hit<double>& b) {
+    return a.hit == b.hit && (!a.hit || (same_number(a.t, b.t) && same_number(a.near, b.near)));
+}
+
+}  // namespace
+
+TEST_CASE("a product that is added is fused, and one that is needed besides is not", "[tape][contraction]") {
+    const auto sum = [](auto a, auto b, auto c, auto) { return a * b + c; };
+    CHECK(operations_of(sum)[TapeOp::fma] == 1);
+    CHECK(operations_of(sum)[TapeOp::mul] == 0);
+    CHECK(operations_of(sum)[TapeOp::add] == 0);
+    // Of two products the first is fused and the second its addend, of three the third too.
+    const auto two = [](auto a, auto b, auto c, auto d) { return a * b + c * d; };
+    CHECK(operations_of(two)[TapeOp::fma] == 1);
+    CHECK(operations_of(two)[TapeOp::mul] == 1);
+    const Tape tape = contracted(tape_of_four(two));
+    for (const TapeNode& n : tape.nodes) {
+        if (n.op != TapeOp::mul) continue;
+        CHECK(n.operands[0] == 2);  // c, since a b is within the sum
+    }
+    const auto three = [](auto a, auto b, auto c, auto d) { return (a * b + c * d) + a * d; };
+    CHECK(operations_of(three)[TapeOp::fma] == 2);
+    CHECK(operations_of(three)[TapeOp::mul] == 1);
+    // c − a b is fma(−a, b, c), and a b − c is fma(a, b, −c).
+    CHECK(operations_of([](auto a, auto b, auto c, auto) { return c - a * b; })[TapeOp::fma] == 1);
+    CHECK(operations_of([](auto a, auto b, auto c, auto) { return a * b - c; })[TapeOp::fma] == 1);
+    CHECK(operations_of([](auto a, auto b, auto c, auto) { return -(a * b) + c; })[TapeOp::fma] == 1);
+    // The same product twice is one, which both sums take in.
+    const auto again = [](auto a, auto b, auto c, auto d) { return (a * b + c) * (b * a + d); };
+    CHECK(operations_of(again)[TapeOp::fma] == 2);
+    CHECK(operations_of(again)[TapeOp::mul] == 1);
+    const auto compared = [](auto a, auto b, auto c, auto) {
+        const auto p = a * b;
+        return select(p < c, p + c, c);
+    };
+    CHECK(operations_of(compared)[TapeOp::fma] == 0);
+    CHECK(operations_of([](auto a, auto b, auto, auto) { return a * b + a * b; })[TapeOp::fma] == 0);
+    CHECK(operations_of([](auto a, auto b, auto c, auto) { return (a * b) * c; })[TapeOp::fma] == 0);
+}
+
+#ifdef LOSTBITS_HAS_CONTRACTED
+namespace {
+
+/// What compiled code answers about one ray, where this processor runs it.
+template <class F>
+Hit<double> compiled(intersect::simd::OwnPack<F>& pack, const Setting& s) {
+    const auto x = [](double v) { return static_cast<F>(v); };
+    const std::array<F, 6> in{x(s.ray.origin.x),    x(s.ray.origin.y),    x(s.ray.origin.z),
+                              x(s.ray.direction.x), x(s.ray.direction.y), x(s.ray.direction.z)};
+    const auto column = [&in](std::size_t k) { return std::span(in).subspan(k, 1); };
+    const Solid<F> solid = transformed(s.solids.front(), x);
+    std::array<F, 3> out{};
+    std::uint8_t hit = 0;
+    const auto answer = [&out](std::size_t k) { return std::span(out).subspan(k, 1); };
+    pack.bound()({column(0), column(1), column(2), column(3), column(4), column(5)}, intersect::Target<F>(solid),
+                 {answer(0), answer(1), answer(2), {&hit, 1}});
+    return {hit != 0, out[0], out[1], out[2]};
+}
+
+/// Rays of a form on which compiled code answers otherwise than its contracted tape, of so many.
+template <class F>
+int differing(const Intersector& form, const Format& format, intersect::simd::OwnPack<F> pack, int count) {
+    const Intersector& row = contracted_row(form);
+    Random random(7);
+    int apart = 0;
+    for (int i = 0; i < count; ++i) {
+        const Setting s = draw_setting(random, form, format, i % 3 == 0 ? 1000 : 2);
+        apart += !same_answer(plain(row, format, s), compiled(pack, s));
+    }
+    return apart;
+}
+
+}  // namespace
+
+TEST_CASE("a contracted form has the bits of compiled code that contracts", "[tape][contraction]") {
+    const auto isas = intersect::simd::available_isas();
+    if (std::ranges::find(isas, intersect::simd::Isa::w256) == isas.end()) return;
+    std::vector<intersect::simd::RawRow> raw(intersect::form_count);
+    fill_contracted(raw.data());
+    int forms = 0, changed = 0;
+    for (std::size_t i = 0; i < intersect::form_count; ++i) {
+        const Intersector& form = intersect::table::catalogue()[i];
+        if (!has_tape(form)) continue;
+        INFO(form.info->name);
+        const intersect::simd::OwnPacksOfRow packs(raw[i], 32);
+        const Format f32 = *find_format("f32"), f64 = *find_format("f64");
+        CHECK(differing(form, f32, packs.f32, 150) == 0);
+        if (form.native64) CHECK(differing(form, f64, packs.f64, 150) == 0);
+        ++forms;
+        changed += std::ranges::any_of(contracted(tape_of(form, f32)).nodes,
+                                       [](const TapeNode& n) { return n.op == TapeOp::fma; });
+    }
+    CHECK(forms > 90);
+    CHECK(changed > 80);
+}
+#endif
+
+TEST_CASE("a contracted form is its tape in every arithmetic", "[tape][contraction]") {
+    const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p24{"p24", binary32, Format::Engine::rounded};
+    for (const char* const name : {"sphere.schoolbook", "box.embree_fma", "triangle.undivided", "torus.sturm"}) {
+        const Intersector &form = form_named(name), &row = contracted_row(form);
+        CHECK(row.info->name == std::string(name) + "+fma");
+        CHECK(&contracted_row(form) == &row);
+        CHECK(is_contracted(row));
+        CHECK_FALSE(is_contracted(form));
+        Random random(3);
+        for (int i = 0; i < 40; ++i) {
+            const Setting s = draw_setting(random, form, f32, 2);
+            INFO(name << ", ray " << i);
+            const Hit<double> answer = plain(row, f32, s);
+            CHECK(same_answer(plain(row, p24, s), answer));
+            for (const Format& format : {f32, f64}) {
+                Tape tape;
+                row.record(format, s.ray, s.target(row), HUGE_VAL, tape);
+                const Hit<double> there = plain(row, format, s);
+                REQUIRE((tape[tape.outputs.hit].value != 0) == there.hit);
+                if (there.hit) CHECK(same_number(tape[tape.outputs.t].value, there.t));
+            }
+        }
+    }
+    CHECK_THROWS_WITH(contracted_row(form_named("sphere.filtered")), Catch::Contains("it filters"));
+    CHECK_THROWS_WITH(contracted_row(contracted_row(form_named("sphere.press"))),
+                      Catch::Contains("contracted already"));
+}
+
+}  // namespace lostbits::test::test_contraction
