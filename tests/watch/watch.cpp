@@ -1,5 +1,4 @@
-// watch [--still TICKS] [--processor SECONDS] [--folder PREFIX] COMMAND WORD…: runs a test, and ends it by its
-// progress.
+// watch [--still LOOKS] [--processor SECONDS] COMMAND WORD…: runs a test, and ends it by its progress.
 //
 // A clock on the wall says nothing of a test on a machine that has other work. The test is ended, with all that it
 // started, where
