@@ -44,18 +44,18 @@ void renew(lostbits_form& form) {
 }  // namespace
 
 Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
-    forms = words_of(choice.forms);
-    std::vector<std::string> formats = words_of(choice.formats);
+    forms = words_of(choice.forms, "forms");
+    std::vector<std::string> formats = words_of(choice.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
     if (forms.empty() && choice.own_count == 0 && !may_be_empty) forms = {"*"};
     std::vector<const intersect::table::Intersector*> all;
-    for (std::size_t i = 0; i < choice.own_count; ++i) {
-        require(choice.own[i], "a form of `own`");
-        all.push_back(choice.written != 0 ? &choice.own[i]->alone : &choice.own[i]->row);
+    for (const lostbits_form* const own : array_of(choice.own, choice.own_count, "own")) {
+        require(own, "a form of `own`");
+        all.push_back(choice.written != 0 ? &own->alone : &own->row);
     }
     if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(all));
     if (!all.empty()) rows = selection::cross(all, selection::select_formats(formats, "formats"));
-    asked = selection::select_metrics(words_of(choice.metrics), made);
+    asked = selection::select_metrics(words_of(choice.metrics, "metrics"), made);
 }
 
 void Choosing::keep_those_for(const std::string& name, const selection::Meets& meets) {
@@ -96,13 +96,11 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                                .operations = {},
                                .hit = hit,
                                .t = t};
-        for (std::size_t i = 0; i < count; ++i) {
-            const lostbits_operation& o = operations[i];
+        for (const lostbits_operation& o : array_of(operations, count, "operations"))
             formula.operations.push_back({.op = op_of_word(o.op),
                                           .operands = {o.operands[0], o.operands[1], o.operands[2]},
                                           .value = o.value,
                                           .label = o.label ? o.label : ""});
-        }
         require_sense(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         renew(*form);

@@ -14,6 +14,8 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -102,7 +104,9 @@ namespace lostbits::analysis::library {
 inline int put_error(lostbits_error* error, Exit code, const std::string& text) {
     if (error != nullptr) {
         error->code = static_cast<int>(code);
-        const std::size_t n = std::min(text.size(), sizeof error->text - 1);
+        std::size_t n = std::min(text.size(), sizeof error->text - 1);
+        // Not within a character, whose further bytes are 10xxxxxx.
+        while (n < text.size() && n > 0 && (static_cast<unsigned char>(text[n]) & 0xc0) == 0x80) --n;
         std::memcpy(error->text, text.data(), n);
         error->text[n] = '\0';
     }
@@ -111,6 +115,8 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
 
 /// What the program says of its options, for those who have arguments instead: `--metric culprit` as `metrics culprit`.
 std::string in_arguments(std::string text);
+
+inline constexpr std::string_view no_memory = "there is not enough memory; ask for fewer rays, forms or metrics";
 
 /// `act()`, which gives an Exit, with arithmetic as IEEE 754 asks and with what it throws as a code and a text.
 template <class Act>
@@ -124,8 +130,9 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const Error& e) {
         return put_error(error, e.code(), in_arguments(e.what()));
     } catch (const std::bad_alloc&) {
-        return put_error(error, Exit::environment,
-                         "there is not enough memory; ask for fewer rays, forms, metrics or triangles");
+        return put_error(error, Exit::environment, std::string(no_memory));
+    } catch (const std::length_error&) {  // of more items than any memory has
+        return put_error(error, Exit::environment, std::string(no_memory));
     } catch (const std::filesystem::filesystem_error& e) {
         return put_error(error, Exit::bad_input, scene::toml::words_about(e));
     } catch (const std::exception& e) {
@@ -145,16 +152,32 @@ inline void require(const void* argument, const char* name) {
     if (argument == nullptr) throw InputError(std::string(name) + " is NULL; give one");
 }
 
-inline std::vector<std::string> words_of(const lostbits_words& words) {
+/// An argument of `count` rows, each of so many items. InputError where there are rows and no array, or more of them
+/// than memory has bytes.
+template <class T>
+std::span<const T> array_of(const T* first, std::size_t count, const std::string& name, std::size_t items = 1) {
+    if (count > static_cast<std::size_t>(PTRDIFF_MAX) / (items * sizeof(T)))
+        throw InputError(name + ": the count is " + std::to_string(count) + ", more than any memory holds");
+    if (count > 0 && first == nullptr)
+        throw InputError(name + " is NULL and the count is " + std::to_string(count) +
+                         "; give an array, or a count of 0");
+    return {first, count * items};
+}
+
+/// InputError, which names the list, where one of its texts is NULL.
+inline std::vector<std::string> words_of(const lostbits_words& words, const std::string& name) {
     std::vector<std::string> all;
-    for (std::size_t i = 0; i < words.count; ++i) all.emplace_back(words.words[i]);
+    for (const char* const word : array_of(words.words, words.count, name)) {
+        require(word, ("a text of " + name).c_str());
+        all.emplace_back(word);
+    }
     return all;
 }
 
 /// How a call runs; all of it optional.
 class CallRun {
 public:
-    explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(run_.threads) {}
+    explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const {
         // The caller's byte is set by another thread of another language: what it writes is seen as a flag of ours.
         static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
@@ -172,6 +195,12 @@ public:
     }
 
 private:
+    static int threads_of(const lostbits_run& run) {
+        if (run.threads < 0)
+            throw InputError("threads is " + std::to_string(run.threads) + "; it is 0, one per core, or more");
+        return run.threads;
+    }
+
     lostbits_run run_;
     selection::ThreadLimit limit_;
     std::mutex mutex_;

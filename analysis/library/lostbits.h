@@ -49,10 +49,15 @@ typedef struct lostbits_result lostbits_result;
 /* LOSTBITS_ABI of the library that is loaded, and its version as text. */
 LOSTBITS_API int lostbits_abi(void);
 LOSTBITS_API const char* lostbits_version(void);
+/* Ends the threads that calls share, and waits for them; the next call makes new ones. A process that is forked has
+ * none of them, so that calls in the child would wait for ever: call it before fork(). LOSTBITS_ENVIRONMENT where they
+ * are in use, by a call that runs, a thread that lives and has made calls, or another user of TBB. */
+LOSTBITS_API int lostbits_end_threads(lostbits_error* error);
 
 /* ---- Scenes ---- */
 
-/* A list of texts; {NULL, 0} is empty. */
+/* A list of texts; {NULL, 0} is empty. Here as in all arrays of the interface, a count without an array, and a NULL
+ * among the texts, are LOSTBITS_BAD_INPUT. */
 typedef struct lostbits_words {
     const char* const* words;
     size_t count;
@@ -234,7 +239,7 @@ typedef struct lostbits_column {
     size_t name_count;
 } lostbits_column;
 
-/* Tables are counted from 0; LOSTBITS_NOTHING beyond the last. */
+/* Tables are counted from 0; LOSTBITS_NOTHING beyond the last, LOSTBITS_BAD_INPUT where `into` is NULL. */
 LOSTBITS_API int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_table* into);
 LOSTBITS_API int lostbits_result_column(const lostbits_result* result, size_t table, size_t column,
                                         lostbits_column* into);

@@ -73,9 +73,27 @@ OpenEnds open_ends_of(const std::string& word) {
     throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
 }
 
+/// InputError where an array of so many rows and columns reaches farther than any memory does.
+void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
+    constexpr std::size_t most = PTRDIFF_MAX / 4;
+    const auto reach = [](std::size_t count, std::ptrdiff_t step) {
+        const std::size_t bytes = step < 0 ? 0 - static_cast<std::size_t>(step) : static_cast<std::size_t>(step);
+        return bytes == 0 || count <= most / bytes;
+    };
+    if (rows > most / sizeof(double) || !reach(rows, array.step) || !reach(columns, array.item_step))
+        throw InputError(std::string(name) + ": " + std::to_string(rows) + " rows, " + std::to_string(array.step) +
+                         " bytes apart, of items " + std::to_string(array.item_step) +
+                         " bytes apart are more than any memory holds");
+}
+
 GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers a ray; give both");
+    for (const auto* const array : {&rays.origin, &rays.direction}) require_reach(*array, rays.count, 3, whose);
+    for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
+        require_reach(*array, rays.count, 1, whose);
+    require_reach(rays.matrix, rays.count, scene::dump::matrix_columns.size(), whose);
+    require_reach(rays.solids, rays.solid_count, most_numbers, "solids");
     std::vector<ArrayColumn> columns;
     put_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
     put_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});

@@ -104,6 +104,7 @@ using lostbits::analysis::library::ResultTable;
 extern "C" {
 
 int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_table* into) {
+    if (into == nullptr) return LOSTBITS_BAD_INPUT;
     if (result == nullptr || table >= result->tables.size()) return LOSTBITS_NOTHING;
     const ResultTable& found = result->tables[table];
     *into = {found.name.c_str(), found.columns.size(), found.rows()};
@@ -111,6 +112,7 @@ int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_
 }
 
 int lostbits_result_column(const lostbits_result* result, size_t table, size_t column, lostbits_column* into) {
+    if (into == nullptr) return LOSTBITS_BAD_INPUT;
     if (result == nullptr || table >= result->tables.size() || column >= result->tables[table].columns.size())
         return LOSTBITS_NOTHING;
     const ResultColumn& c = result->tables[table].columns[column];

@@ -22,8 +22,8 @@ TextFile::~TextFile() { close(file_); }
 namespace {
 
 Scene only_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
-    selection::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set)};
-    if (where.width > 0 || where.height > 0)
+    selection::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set, "set")};
+    if (where.width != 0 || where.height != 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
     return selection::load_one_scene(choice, data);
 }
@@ -144,8 +144,8 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         auto found =
             std::make_unique<lostbits_scene>(lostbits_scene{.scene = only_scene(name, given, data), .named = {}});
         found->named = selection::name_of_scene(found->scene, data);
-        for (const std::string& set : words_of(given.set)) found->named += " --set '" + set + "'";
-        if (given.width > 0)
+        for (const std::string& set : words_of(given.set, "set")) found->named += " --set '" + set + "'";
+        if (given.width != 0)
             found->named += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
         *scene = found.release();
         return Exit::done;
@@ -174,9 +174,10 @@ int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double
         const Shape of = shape_of_word(shape);
         if (count == 0) throw InputError("there are no solids; give at least one");
         require(numbers, "numbers");
+        const std::span<const double> all = array_of(numbers, count, "numbers", row_of(of).numbers);
         std::vector<Solid<Real>> solids;
         for (std::size_t i = 0; i < count; ++i)
-            solids.push_back(solid_of(of, numbers + i * row_of(of).numbers, scene->scene,
+            solids.push_back(solid_of(of, &all[i * row_of(of).numbers], scene->scene,
                                       std::string(row_of(of).name) + " " + std::to_string(i)));
         make_room(*scene);
         auto& listed = scene->scene.listed;
@@ -191,15 +192,17 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         require(scene, "scene");
         require(vertices, "vertices");
         require(faces, "faces");
+        const std::span<const double> all_vertices = array_of(vertices, vertex_count, "vertices", 3);
+        const std::span<const uint32_t> all_faces = array_of(faces, face_count, "faces", 3);
         scene::triangle::Mesh mesh;
         for (std::size_t i = 0; i < vertex_count; ++i) {
-            const double* const v = vertices + 3 * i;
+            const double* const v = &all_vertices[3 * i];
             if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
                 throw InputError("vertex " + std::to_string(i) + " is not three finite numbers");
             mesh.vertices.emplace_back(v[0], v[1], v[2]);
         }
         for (std::size_t i = 0; i < face_count; ++i) {
-            const uint32_t* const f = faces + 3 * i;
+            const uint32_t* const f = &all_faces[3 * i];
             for (int k = 0; k < 3; ++k)
                 if (f[k] >= vertex_count)
                     throw InputError("face " + std::to_string(i) + " names vertex " + std::to_string(f[k]) +

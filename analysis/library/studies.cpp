@@ -89,8 +89,8 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
         .rows = {},
         .strategies = selection::select_rows(
             measure::offset::strategies(),
-            strategies && strategies->count > 0 ? words_of(*strategies) : std::vector<std::string>{"*"}, "strategy",
-            "--strategy"),
+            strategies && strategies->count > 0 ? words_of(*strategies, "strategies") : std::vector<std::string>{"*"},
+            "strategy", "--strategy"),
         .limit = {.stop = running.stop()}};
     for (const TestedForm& row : chosen.rows) {
         if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});

@@ -85,8 +85,9 @@ class Rays:
             raise lib.InputError("o is empty: there are no rays to ask about")
         self.kept = [o, d]
         meant = contract(**words)
-        raw = self.raw = lib.Rays(count=n, origin=origin, direction=along, open_ends=open_ends.encode(),
-                                  format=format.encode() if format else None, unit=meant.pop("direction", 0), **meant)
+        raw = self.raw = lib.Rays(count=n, origin=origin, direction=along, 
+                                  open_ends=lib.in_utf8(open_ends, "open_ends"),
+                                  format=lib.in_utf8(format, "format") if format is not None else None, unit=meant.pop("direction", 0), **meant)
         if isinstance(getattr(solids, "handle", None), lib.Handle):  # a scene
             raw.scene, self.kept = solids.handle.pointer, [*self.kept, solids]
         else:
@@ -94,7 +95,7 @@ class Rays:
             solids, raw.solids = array_of(solids, "solids", count, n if paired else None)
             if solids is None:
                 raise lib.InputError(f"solids is None; give an array of {count} numbers a {shape}, or a scene")
-            raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(paired)
+            raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(bool(paired))
             self.kept.append(solids)
         if isinstance(matrix, np.ndarray) and matrix.ndim == 3 and matrix.shape[1:] in ((3, 4), (4, 4)):
             matrix = matrix[:, :3].reshape(len(matrix), 12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 from typing import Any, Callable, Sequence
@@ -12,6 +13,23 @@ from ._sums import CREATED, filled
 from ._trace import ALWAYS, NUMPY, PACKAGE, Tape, Traced, Unfollowed, here, traced
 
 _lock = threading.Lock()
+_before = {name: getattr(np, name) for name in ("full", *CREATED)}
+
+
+def _put_back() -> None:
+    for name, own in _before.items():
+        setattr(np, name, own)
+
+
+def _unlock() -> None:
+    """In a process that was forked while another thread followed: that thread is not here, and what it put is."""
+    global _lock
+    if _lock.locked():
+        _put_back()
+    _lock = threading.Lock()
+
+
+os.register_at_fork(after_in_child=_unlock)
 
 
 class _Creating:
@@ -19,9 +37,8 @@ class _Creating:
 
     def __enter__(self) -> None:
         _lock.acquire()
-        self.before = {name: getattr(np, name) for name in ("full", *CREATED)}
         me = threading.get_ident()
-        for name, own in self.before.items():
+        for name, own in _before.items():
 
             def chosen(shape: Any, *a: Any, _name: str = name, _own: Any = own, **o: Any) -> Any:
                 by_user = not sys._getframe(1).f_code.co_filename.startswith((PACKAGE, NUMPY))
@@ -33,8 +50,7 @@ class _Creating:
             setattr(np, name, chosen)
 
     def __exit__(self, *_: Any) -> None:
-        for name, own in self.before.items():
-            setattr(np, name, own)
+        _put_back()
         _lock.release()
 
 

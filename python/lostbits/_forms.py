@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import ctypes as c
 import inspect
+import itertools
+import os
+import re
+import threading
+import weakref
 from typing import Any, Callable, Sequence, Union
 
 import numpy as np
@@ -18,6 +23,45 @@ from ._trace import Tape, Unfollowed
 _one_thread = 4
 _formats = {"f32": (32, np.float32), "f64": (64, np.float64)}
 Sample = Callable[[str, Any], tuple[Floats, Floats, Floats]]
+
+
+class _Failures:
+    """What one's function raised, by the mark that the library's sentence about it carries: of calls that run at once,
+    each raises its own. When no call runs, what nobody asked for is forgotten."""
+
+    _marks = itertools.count(1)
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.raised: dict[int, tuple[BaseException, Any]] = {}
+        self.calls = 0
+
+    def add(self, error: BaseException) -> int:
+        """Where the sentence lies that the library is given."""
+        try:
+            words = f"{type(error).__name__}: {error}"
+        except Exception:  # of its own __str__
+            words = type(error).__name__
+        with self.lock:
+            mark = next(self._marks)
+            text = c.create_string_buffer(f"#{mark} raised {words}".encode(errors="backslashreplace")[:1000])
+            self.raised[mark] = error, text
+        return c.addressof(text)
+
+    def named_in(self, sentence: str) -> BaseException | None:
+        mark = re.search(r": #(\d+) raised ", sentence)
+        with self.lock:
+            return self.raised[int(mark[1])][0] if mark and int(mark[1]) in self.raised else None
+
+    def begin(self) -> None:
+        with self.lock:
+            self.calls += 1
+
+    def end(self) -> None:
+        with self.lock:
+            self.calls -= 1
+            if self.calls == 0:
+                self.raised.clear()
 
 
 class Intersector:
@@ -38,16 +82,27 @@ class Intersector:
             raise lib.InputError(f"{self.name}: a form for a {shape} takes {wanted} arrays: o, d, "
                                  + ", ".join(key for key, _ in self.keys)) from None
         self.__doc__ = function.__doc__
-        self.failed: BaseException | None = None
         self.tapes: dict[str, Tape] = {}
         meant, promised = contract(**words), word(roots, ROOTS, "roots")
         flags = meant.pop("inside", 0) | meant.pop("facing", 0) | _one_thread
-        self._kept: list[Any] = [lib.RunBatch(self._answering(np.dtype(dtype))) for _, dtype in _formats.values()]
-        array = (lib.FormWords * 2)(*[
-            lib.FormWords(name=self.name.encode(), shape=list(SHAPES).index(shape), format=bits, roots=promised,
-                          flags=flags, run=run, **meant) for (bits, _), run in zip(_formats.values(), self._kept)])
-        self.handle = lib.Handle("form")
-        lib.call("lostbits_form_make", array, c.c_size_t(2), c.byref(self.handle.pointer))
+        self._asked = [lib.RunBatch(self._answering(np.dtype(dtype))) for _, dtype in _formats.values()]
+        self._words = (lib.FormWords * 2)(*[
+            lib.FormWords(name=lib.in_utf8(self.name, "name"), shape=list(SHAPES).index(shape), format=bits,
+                          roots=promised, flags=flags, run=run, **meant)
+            for (bits, _), run in zip(_formats.values(), self._asked)])
+        self.handle = self._made()
+        self.unlock()
+        _all.add(self)
+
+    def _made(self) -> lib.Handle:
+        """The form without operations."""
+        handle = lib.Handle("form")
+        lib.call("lostbits_form_make", self._words, c.c_size_t(2), c.byref(handle.pointer))
+        return handle
+
+    def unlock(self) -> None:
+        """Begins without calls: of a process that is forked, no other thread is here."""
+        self._writing, self.failures = threading.Lock(), _Failures()
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -66,7 +121,9 @@ class Intersector:
             b = lib.Batch.from_address(address)
             n = int(b.size)
             try:
-                rays, solids = view(b.rays, n, 6), view(b.solids, n if b.solid_stride else 1, sum(self.counts))
+                # Copies: the function may keep them or change them, and the library's memory is neither.
+                rays = view(b.rays, n, 6).copy()
+                solids = view(b.solids, n if b.solid_stride else 1, sum(self.counts)).copy()
                 parts = np.split(np.broadcast_to(solids, (n, solids.shape[1])), np.cumsum(self.counts)[:-1], axis=1)
                 keys = [part if part.shape[1] > 1 else part[:, 0] for part in parts]
                 with np.errstate(all="ignore"):
@@ -74,9 +131,7 @@ class Intersector:
                 self._put(answer, n, dtype, view(b.near_far, n, 2), view(b.hit, n, 1, np.dtype(np.uint8))[:, 0])
                 return None
             except BaseException as error:  # what it raises is raised again where the call was made
-                self.failed = self.failed or error
-                self._kept.append(c.create_string_buffer(f"raised {type(error).__name__}: {error}".encode()[:1000]))
-                return c.addressof(self._kept[-1])
+                return self.failures.add(error)
 
         return run
 
@@ -109,39 +164,55 @@ class Intersector:
     def write(self, sample: Sample) -> None:
         """Follows the function and says its operations to the library. `sample(shape, dtype)` gives rays (o, d,
         solids) on which the operations must give the function's own bits. Unfollowed, saying where, if they do not."""
-        for format, (bits, dtype) in _formats.items():
-            if format in self.tapes:
-                continue
-            first: str | None = None
-            for implicit in (False, True):
-                written, hit, t = follow(self.function, self.counts, dtype, self.roots, implicit)
-                self._say(bits, written, hit, t)
-                wrong = self._differs(format, *sample(self.shape, dtype))
-                if wrong is None:
-                    self.tapes[format] = written
-                    break
-                first = first or wrong
-            else:
-                self.tapes.clear()
-                where = [f"{line}: `if` on any() or all() asks all rays at once; " for line in written.branches[:1]]
-                raise Unfollowed("".join(where) + f"{self.name}: {first}")
+        with self._writing:
+            if self.tapes:
+                return
+            # A handle of its own: calls of other threads may be reading the one that there is.
+            handle, tapes = self._made(), dict[str, Tape]()
+            for format in _formats:
+                tapes[format] = self._followed(handle, format, sample)
+            self.handle, self.tapes = handle, tapes
 
-    def _say(self, bits: int, written: Tape, hit: int, t: int) -> None:
+    def _followed(self, handle: lib.Handle, format: str, sample: Sample) -> Tape:
+        bits, dtype = _formats[format]
+        first: str | None = None
+        for implicit in (False, True):
+            written, hit, t = follow(self.function, self.counts, dtype, self.roots, implicit)
+            self._say(handle, bits, written, hit, t)
+            wrong = self._differs(handle, format, *sample(self.shape, dtype))
+            if wrong is None:
+                return written
+            first = first or wrong
+        where = [f"{line}: `if` on any() or all() asks all rays at once; " for line in written.branches[:1]]
+        raise Unfollowed("".join(where) + f"{self.name}: {first}")
+
+    def _say(self, handle: lib.Handle, bits: int, written: Tape, hit: int, t: int) -> None:
         array = (lib.Operation * len(written.ops))(*[
             lib.Operation(op.encode(), (c.c_int32 * 3)(*operands), value, written.labels.get(i, "").encode() or None)
             for i, (op, operands, value) in enumerate(written.ops)])
-        lib.call("lostbits_form_write", self.handle.pointer, bits, array, c.c_size_t(len(array)), c.c_int32(hit),
+        lib.call("lostbits_form_write", handle.pointer, bits, array, c.c_size_t(len(array)), c.c_int32(hit),
                  c.c_int32(t))
 
-    def _differs(self, format: str, o: Floats, d: Floats, solids: Floats) -> str | None:
+    def _differs(self, handle: lib.Handle, format: str, o: Floats, d: Floats, solids: Floats) -> str | None:
         """A sentence about the first ray on which the operations do not give what the function gives."""
         rays = Rays(o, d, solids, self.shape, True)
-        own, said = (Asked(self, format, written=written).answers(rays) for written in (False, True))
+        own, said = (Asked(self, format, written=written).answers(rays, handles=[handle]) for written in (False, True))
         i = int(np.argmax((own.hit != said.hit) | ((own.t != said.t) & own.hit)))
         if own.hit[i] == said.hit[i] and (own.t[i] == said.t[i] or not own.hit[i]):
             return None
         return (f"in {format} it gives t = {own.t[i]!r} (hit: {bool(own.hit[i])}) on a ray, and the operations that "
                 f"were followed give {said.t[i]!r} (hit: {bool(said.hit[i])}); something in it was not followed")
+
+
+_all: weakref.WeakSet[Intersector] = weakref.WeakSet()
+
+
+def _unlock_all() -> None:
+    for form in list(_all):
+        form.unlock()
+
+
+os.register_at_fork(after_in_child=_unlock_all)
 
 
 def intersector(shape: str, roots: str = "first", direction: str = "any", touching: str = "hit",
@@ -171,17 +242,13 @@ Forms = Union[Form, Sequence[Form], None]
 Texts = Union[str, Sequence[str]]
 
 
-def texts(value: Texts) -> list[str]:
-    return [value] if isinstance(value, str) else list(value)
-
-
 class Asked:
     """Forms, formats and metrics as lostbits_choice, which it keeps alive; and the calls that take one."""
 
     def __init__(self, forms: Forms, formats: Texts, metrics: Texts = (), rows: bool = False,
                  written: bool = False) -> None:
         single = isinstance(forms, str) or callable(forms)
-        listed: list[Any] = [] if forms is None else [forms] if single else list(forms)  # type: ignore[arg-type]
+        listed: list[Any] = [] if forms is None else [forms] if single else lib.texts(forms, "forms")
         for form in listed:
             if callable(form) and not isinstance(form, Intersector):
                 raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a function; say what it meets first: "
@@ -191,11 +258,11 @@ class Asked:
                                      f"{type(form).__name__}")
         self.own = [form for form in listed if isinstance(form, Intersector)]
         self.names = [form for form in listed if isinstance(form, str)]
-        self.formats, self.metrics = texts(formats), texts(metrics)
-        handles = (c.c_void_p * len(self.own))(*[form.handle.pointer for form in self.own])
-        words = [lib.Words(each) for each in (self.names, self.formats, self.metrics)]
-        self.raw = lib.Choice(words[0], c.cast(handles, c.c_void_p), len(self.own), *words[1:], int(rows), int(written))
-        self._kept = (handles, words, self.own)
+        self.formats, self.metrics = lib.texts(formats, "formats"), lib.texts(metrics, "metrics")
+        words = [lib.Words(each, name) for each, name in
+                 ((self.names, "forms"), (self.formats, "formats"), (self.metrics, "metrics"))]
+        self.raw = lib.Choice(words[0], None, len(self.own), *words[1:], int(bool(rows)), int(bool(written)))
+        self._kept = words
 
     def write_for(self, sample: Sample, always: bool = False) -> None:
         """The operations of one's own forms, where something is asked that needs them."""
@@ -204,18 +271,28 @@ class Asked:
             for form in self.own:
                 form.write(sample)
 
-    def call(self, name: str, *arguments: Any, quick: bool = False, **how: Any) -> tuple[int, lib.Handle]:
-        """A call that takes this choice behind its own arguments; what a function of the user's raised is raised."""
+    def call(self, name: str, *arguments: Any, quick: bool = False, handles: Sequence[lib.Handle] | None = None,
+             **how: Any) -> tuple[int, lib.Handle]:
+        """A call that takes this choice behind its own arguments; what a function of the user's raised is raised.
+
+        `handles`: of one's own forms, where they are not those that the forms have now."""
+        held = [form.handle for form in self.own] if handles is None else handles
+        pointers = (c.c_void_p * len(held))(*[handle.pointer for handle in held])
+        self.raw.own = c.cast(pointers, c.c_void_p)
+        for form in self.own:
+            form.failures.begin()
         try:
             if quick:
                 return 0, lib.result_of(name, *arguments, c.byref(self.raw))
             return lib.long_call(name, *arguments, c.byref(self.raw), **how)
-        except lib.Error:
+        except lib.Error as error:
             for form in self.own:
-                failed, form.failed = form.failed, None
-                if failed is not None:
-                    raise failed from None
+                if (raised := form.failures.named_in(str(error))) is not None:
+                    raise raised from None
             raise
+        finally:
+            for form in self.own:
+                form.failures.end()
 
     def answers(self, rays: Rays, **how: Any) -> Table:
         return next(iter(tables_of(self.call("lostbits_answers", c.byref(rays.raw), **how)[1]).values()))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes as c
 import ctypes.util
+import math
+import operator
 import os
+import queue
 import sys
-from concurrent.futures import ThreadPoolExecutor, wait
+import threading
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -37,13 +41,51 @@ class NothingSelected(Error, LookupError):
     code = 4
 
 
+def in_utf8(value: Any, name: str) -> bytes:
+    """A text as C has it, which ends at a zero byte."""
+    if not isinstance(value, str):
+        raise InputError(f"{name} is {value!r}; it is a text")
+    if "\0" in value:
+        raise InputError(f"{name} is {value!r}; a text has no zero byte")
+    try:
+        return value.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{name} is {value!r}; half of a character has no bytes in UTF-8") from None
+
+
+def whole(value: Any, name: str, least: int = -2**31, most: int = 2**31 - 1) -> int:
+    """A whole number that C's int holds: ctypes keeps the lowest 32 bits of any."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; it is a whole number") from None
+    if not least <= number <= most:
+        raise InputError(f"{name} is {number}; it is from {least} to {most}")
+    return number
+
+
+def number(value: Any, name: str) -> float:
+    try:
+        return math.fsum([value])  # unlike float(), of no text
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} is {value!r}; it is a number, as a double holds it") from None
+
+
+def texts(value: Any, name: str) -> list[str]:
+    """One text, or several."""
+    try:
+        return [value] if isinstance(value, str) else list(value)
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; it is a text or a list of texts") from None
+
+
 class Words(c.Structure):
     """A list of texts as C has it; it keeps them alive."""
 
     _fields_ = [("words", c.c_void_p), ("count", c.c_size_t)]
 
-    def __init__(self, texts: Sequence[str] = ()) -> None:
-        self.kept = (c.c_char_p * len(texts))(*[text.encode() for text in texts])
+    def __init__(self, texts: Sequence[str], name: str) -> None:
+        self.kept = (c.c_char_p * len(texts))(*[in_utf8(text, name) for text in texts])
         super().__init__(c.cast(self.kept, c.c_void_p), len(texts))
 
 
@@ -98,8 +140,10 @@ def _find_library() -> str:
 def data_folder(given: str | None = None) -> bytes | None:
     """The folder with scenes/ and sweeps/: as given, $LOSTBITS_DATA, the package's, the tree's; None leaves it to C."""
     places = (os.environ.get("LOSTBITS_DATA", ""), str(_here / "data"), str(_here.parent.parent / "data"))
-    found = given or next((p for p in places if p and os.path.isdir(os.path.join(p, "scenes"))), None)
-    return found.encode() if found else None
+    if given is not None:
+        return in_utf8(os.fspath(given) if isinstance(given, os.PathLike) else given, "data") or None
+    found = next((p for p in places if p and os.path.isdir(os.path.join(p, "scenes"))), None)
+    return os.fsencode(found) if found else None
 
 
 def _load() -> c.CDLL:
@@ -141,10 +185,125 @@ def raise_for(code: int, error: Any) -> int:
     return code
 
 
+class _Job:
+    """A call on its way. It keeps what the library reads and writes until the call is over."""
+
+    def __init__(self, function: Any, arguments: tuple[Any, ...], stop: Any) -> None:
+        self.function, self.arguments, self.stop = function, arguments, stop
+        self.over = threading.Event()
+        self.code = 70
+
+    def run(self) -> None:
+        try:
+            self.code = self.function(*self.arguments)
+        except BaseException as error:  # of ctypes, about an argument
+            self.failed: BaseException | None = error
+        else:
+            self.failed = None
+
+
+class _Workers:
+    """The threads that calls run in. They stay: one that is new to the library's scheduler, and goes, costs 4 ms.
+
+    At the end of the interpreter, calls that daemon threads wait for are stopped. A process that is forked has none of
+    the threads: they end before, with the library's, and begin anew on both sides. Where they cannot, since a call
+    runs, the child refuses calls, which would wait for ever for locks that nobody gives back.
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.idle: list[tuple[threading.Thread, queue.SimpleQueue[_Job | None]]] = []
+        self.running: set[_Job] = set()
+        self.is_ending = self.are_lost = self.child_loses = False
+
+    def start(self, function: Any, arguments: tuple[Any, ...], stop: Any) -> _Job:
+        job = _Job(function, arguments, stop)
+        with self.lock:
+            if self.is_ending:
+                raise SystemExit
+            if self.are_lost:
+                raise EnvironmentFault("this process was forked while a call of lostbits, or other work of its library "
+                                       "of threads, ran: what that locked stays locked; fork between calls, or start "
+                                       "processes with multiprocessing.get_context(\"spawn\")")
+            self.running.add(job)
+            jobs = self.idle.pop()[1] if self.idle else self._new()
+        jobs.put(job)
+        return job
+
+    def _new(self) -> queue.SimpleQueue[_Job | None]:
+        jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
+        threading.Thread(target=self._work, args=(jobs,), name="lostbits", daemon=True).start()
+        return jobs
+
+    def _work(self, jobs: queue.SimpleQueue[_Job | None]) -> None:
+        while (job := jobs.get()) is not None:
+            job.run()
+            with self.lock:
+                self.running.discard(job)
+                self.idle.append((threading.current_thread(), jobs))
+            job.over.set()
+            del job
+
+    def end(self) -> None:
+        """Ends the calls that run; nobody can use what they find."""
+        with self.lock:
+            self.is_ending = True
+            running = list(self.running)
+        for job in running:
+            if job.stop is not None:
+                job.stop.value = 1
+        for job in running:
+            job.over.wait(10)  # one whose function waits for ever is left to the system
+
+    def before_fork(self) -> None:
+        self.lock.acquire()
+        self.child_loses = self.are_lost or bool(self.running)
+        if self.child_loses:
+            return
+        for _, jobs in self.idle:
+            jobs.put(None)
+        for thread, _ in self.idle:
+            thread.join()
+        self.idle.clear()
+        self.child_loses = library.lostbits_end_threads(None) != 0
+
+    def after_fork_in_parent(self) -> None:
+        self.lock.release()
+
+    def after_fork_in_child(self) -> None:
+        self.lock, self.are_lost = threading.Lock(), self.child_loses
+        self.idle, self.running = [], set()
+
+
+_workers = _Workers()
+atexit.register(_workers.end)
+os.register_at_fork(before=_workers.before_fork, after_in_parent=_workers.after_fork_in_parent,
+                    after_in_child=_workers.after_fork_in_child)
+
+
+def _run(function: Any, arguments: tuple[Any, ...], error: Any, stop: Any = None) -> int:
+    """A call in a worker: its code, 0 or 1, once it is over. Ctrl-C stops it, and is raised then."""
+    job = _workers.start(function, (*arguments, c.byref(error)), stop)
+    interrupted: BaseException | None = None
+    while not job.over.is_set():
+        try:
+            job.over.wait(0.05)
+        except BaseException as asked:  # a second one too: what the call reads lies here until it is over
+            interrupted = asked
+            if stop is not None:
+                stop.value = 1
+    if interrupted is not None:
+        raise interrupted
+    if job.failed is not None:
+        raise job.failed
+    if job.code == 130 and _workers.is_ending:
+        raise SystemExit
+    return raise_for(job.code, error)
+
+
 def call(name: str, *arguments: Any) -> int:
     """A call that takes no time: its code, 0 or 1. Raises what the other codes stand for."""
-    error = ErrorText()
-    return raise_for(getattr(library, name)(*arguments, c.byref(error)), error)
+    return _run(getattr(library, name), arguments, ErrorText())
 
 
 def result_of(name: str, *arguments: Any) -> Handle:
@@ -154,31 +313,20 @@ def result_of(name: str, *arguments: Any) -> Handle:
     return result
 
 
-_workers = ThreadPoolExecutor(max_workers=64, thread_name_prefix="lostbits")
-
-
 def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False) -> tuple[int, Handle]:
-    """A call that measures: in a thread of its own, so that Ctrl-C ends it within a second and leaves nothing behind.
+    """A call that measures: Ctrl-C ends it within a second and leaves nothing behind.
 
     `arguments` are those before `run`.
     """
-    stop, error, result = c.c_ubyte(0), ErrorText(), Handle("result")
+    stop, result = c.c_ubyte(0), Handle("result")
     bar = Bar(name.removeprefix("lostbits_")) if progress else None
-    run = Run(threads, c.pointer(stop), Progress(bar.advance) if bar else c.cast(0, Progress), None)
-    # Threads that stay: one that is new to the library's scheduler, and goes, costs 4 ms.
-    working = _workers.submit(getattr(library, name), *arguments, c.byref(run), c.byref(result.pointer),
-                              c.byref(error))
+    run = Run(whole(threads, "threads", 0), c.pointer(stop), Progress(bar.advance) if bar else c.cast(0, Progress), None)
     try:
-        while not working.done():
-            wait([working], 0.05)
-    except BaseException:
-        stop.value = 1
-        wait([working])
-        raise
+        code = _run(getattr(library, name), (*arguments, c.byref(run), c.byref(result.pointer)), ErrorText(), stop)
     finally:
         if bar is not None:
             bar.close()
-    return raise_for(working.result(), error), result
+    return code, result
 
 
 class Bar:

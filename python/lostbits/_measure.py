@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _library as lib
 from ._arrays import Floats, Rays
-from ._forms import Asked, Form, Forms, Texts, texts
+from ._forms import Asked, Form, Forms, Texts
 from ._results import Choice, Explanation, Judgement, Map, Mended, Offsets, Sweep, Truths
 from ._scene import Scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
@@ -66,7 +66,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
                  open_ends=open_ends, format=format, direction=direction, touching=touching, at_origin=at_origin,
                  inside=inside, facing=facing)
     own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
-    asked = Asked(forms, formats or own_format, [*texts(metrics), *wished], rows)
+    asked = Asked(forms, formats or own_format, [*lib.texts(metrics, "metrics"), *wished], rows)
     _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
     tables = tables_of(result)
     if by is not None:
@@ -116,8 +116,8 @@ def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32
     `strategies`: names and globs; none: all. `points`: "computed", "projected" (put back onto the surface) or "both".
     The result: `.summary`, a row a strategy, side, point, form and format, with lengths in the scene's own unit.
     """
-    on, asked, words = scene_of(scene), Asked(forms, formats), lib.Words(texts(strategies))
-    _, result = asked.call("lostbits_offsets", on.handle.pointer, c.byref(words), points.encode(), threads=threads,
+    on, asked, words = scene_of(scene), Asked(forms, formats), lib.Words(lib.texts(strategies, "strategies"), "strategies")
+    _, result = asked.call("lostbits_offsets", on.handle.pointer, c.byref(words), lib.in_utf8(points, "points"), threads=threads,
                            progress=progress)
     return Offsets(tables_of(result)["offsets"])
 
@@ -140,7 +140,7 @@ def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
         raise lib.InputError(f"sweep: of {scene_of(text)!r}, say what changes: along=\"sphere[0].radius\", to=1e6")
     if on is not None:
         asked.write_for(on.sample)
-    _, result = asked.call("lostbits_sweep", text.encode(), int("\n" in text), folder, threads=threads,
+    _, result = asked.call("lostbits_sweep", lib.in_utf8(text, "of"), int("\n" in text), folder, threads=threads,
                            progress=progress)
     return Sweep(tables_of(result))
 
@@ -170,8 +170,8 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float 
         raise lib.InputError(f"sweep: along={along!r} is a number of the scene, and says nothing of where it begins; "
                              "write start=1, or along=\"distance\"")
     paths = {along: 1.0} if isinstance(along, str) else dict(along)
-    axis = {"name": name, "unit": "world", "spacing": spacing, "from": float(start), "to": float(to),
-            "steps": int(steps), "set": list(paths), "factors": list(paths.values()),
+    axis = {"name": name, "unit": "world", "spacing": spacing, "from": lib.number(start, "start"),
+            "to": lib.number(to, "to"), "steps": lib.whole(steps, "steps"), "set": list(paths), "factors": list(paths.values()),
             **({"bases": bases} if any(bases) else {})}
     lines = ['schema = "lostbits-sweep/1"', f"title = {toml_text(f'{on.name} along {name}')}", 'source = "-"',
              f"scene = {toml_text(path)}", "[[axis]]", *(f"{key} = {toml_text(value)}" for key, value in axis.items())]
@@ -190,11 +190,17 @@ def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format
         raise lib.InputError("explain looks at one form; name one")
     if not (isinstance(pixel, tuple) and len(pixel) == 2):
         raise lib.InputError(f"pixel is (column, row), such as (100, 90), not {pixel!r}")
+    place = [lib.whole(k, f"pixel[{i}]") for i, k in enumerate(pixel)]
     asked.write_for(on.sample, always=True)
-    _, result = asked.call("lostbits_explain", on.handle.pointer, c.c_int(pixel[0]), c.c_int(pixel[1]), quick=True)
+    _, result = asked.call("lostbits_explain", on.handle.pointer, *(c.c_int(k) for k in place), quick=True)
     text, found = texts_of(result)
     tapes = asked.own[0].tapes if asked.own else {}
     return Explanation(text, json.loads(found), tapes.get(format, tapes.get("f32")))
+
+
+def _wish(bits: float, tolerance: float, wrong: float, at: str) -> Any:
+    return lib.Wish(lib.number(bits, "bits"), lib.number(tolerance, "tolerance"), lib.number(wrong, "wrong"),
+                    lib.in_utf8(at, "at"))
 
 
 def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: float | None = None, wrong: float = 0,
@@ -208,7 +214,7 @@ def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: fl
     if bits is None and tolerance is None:
         raise lib.InputError("choose: no wish is given; add bits=16 (of t) or tolerance=0.001 (of the hit point)")
     on, asked = scene_of(scene), Asked(forms, formats)
-    wish = lib.Wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at.encode())
+    wish = _wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at)
     code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)
     return Choice(tables_of(result), texts_of(result)[0], code == 0)
 
@@ -227,8 +233,8 @@ def mend(form: Form, scene: Union[Scene, str], bits: float, *, wrong: float = 0,
     if len(asked.own) + len(asked.names) != 1:
         raise lib.InputError("mend changes one form; name one")
     asked.write_for(on.sample, always=True)
-    wish = lib.Wish(bits, -1, wrong, at.encode())
-    code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(wish), c.c_int(two_words), threads=threads,
+    wish = _wish(bits, -1, wrong, at)
+    code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(wish), c.c_int(bool(two_words)), threads=threads,
                               progress=progress)
     tapes = asked.own[0].tapes if asked.own else {}
     return Mended(tables_of(result), texts_of(result), code == 0, tapes.get(format))

@@ -77,12 +77,12 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     rounds them itself.
     """
     try:
-        width, height = (int(n) for n in size or (0, 0))
-        if size is not None and min(width, height) < 1:
-            raise ValueError
+        width, height = (lib.whole(n, "size", 1) for n in size) if size is not None else (0, 0)
+    except lib.InputError:
+        raise
     except (TypeError, ValueError):
         raise lib.InputError(f"scene: size is {size!r}; write width and height, as in size=(48, 48)") from None
-    changes = lib.Words([set] if isinstance(set, str) else list(set))
+    changes = lib.Words(lib.texts(set, "set"), "set")
     where = c.byref(lib.Where(lib.data_folder(data), width, height, changes))
     plurals = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
     for key in solids:
@@ -95,7 +95,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
             raise lib.InputError("scene: has a name, and solids or a camera of its own; write one or the other")
         name = os.fspath(name)
         is_text = "\n" in name
-        lib.call("lostbits_scene_text" if is_text else "lostbits_scene_open", name.encode(), where,
+        lib.call("lostbits_scene_text" if is_text else "lostbits_scene_open", lib.in_utf8(name, "name"), where,
                  c.byref(handle.pointer))
         return Scene(handle, None if is_text else name)
     if camera is None:
@@ -107,7 +107,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
                       f"size = {toml_text(list(size or (256, 256)))}", "[camera]",
                       *(f"{key} = {toml_text(value)}" for key, value in camera.items()),
                       "[[sphere]]", "centre = [0, 0, 0]", "radius = 1", ""])
-    lib.call("lostbits_scene_text", text.encode(), where, c.byref(handle.pointer))
+    lib.call("lostbits_scene_text", lib.in_utf8(text, "camera"), where, c.byref(handle.pointer))
     for key, value in solids.items():
         shape = plurals[key]
         keys = ": " + ", ".join(f"{k} {n}" for k, n in SHAPES[shape])
@@ -123,8 +123,14 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
 def _numbers(value: Any, name: str, columns: int, means: str = "", dtype: Any = np.float64) -> Any:
     try:
         array = np.atleast_2d(np.asarray(value))
+        if array.dtype.kind not in "fiub":
+            raise TypeError
         whole = dtype is np.float64 or array.dtype.kind in "iu" and (array.size == 0 or array.min() >= 0)
+        if whole and dtype is not np.float64 and array.size and array.max() > np.iinfo(dtype).max:
+            raise lib.InputError(f"{name} has {array.max()}; places are from 0 to {np.iinfo(dtype).max}")
         numbers = np.ascontiguousarray(array, dtype=dtype)
+    except lib.InputError:
+        raise
     except (TypeError, ValueError):
         raise lib.InputError(f"{name} is not an array of numbers") from None
     if numbers.ndim != 2 or numbers.shape[1] != columns or name == "transform" and len(numbers) not in (3, 4):

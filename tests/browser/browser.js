@@ -19,8 +19,12 @@ function missing() {
     return "";
 }
 
+/** Milliseconds after which what does not come will not: a machine with other work takes far longer than an idle one. */
+const patience = 600000;
+
 /** A browser; with `bars` its pages have bars to scroll by. */
 const launch = (bars = true) => require("playwright-core").chromium.launch({
+    timeout: patience,
     executablePath: executable(),
     args: ["--no-sandbox"],  // root, in CI, has no sandbox
     ignoreDefaultArgs: bars ? ["--hide-scrollbars"] : []
@@ -29,12 +33,14 @@ const launch = (bars = true) => require("playwright-core").chromium.launch({
 /** The page of a file, with lists of what it asked for and what it complained about; `scripts`: whether they run. */
 async function open(browser, file, { hash = "", scripts = true, width = 1280, height = 900 } = {}) {
     const context = await browser.newContext({ javaScriptEnabled: scripts, viewport: { width, height } });
+    context.setDefaultTimeout(patience);
+    context.setDefaultNavigationTimeout(patience);
     const page = Object.assign(await context.newPage(), { requested: [], complaints: [] });
     page.on("request", (r) => page.requested.push(r.url()));
     page.on("console", (m) => ["error", "warning"].includes(m.type()) && page.complaints.push(m.text()));
     page.on("pageerror", (e) => page.complaints.push(String(e)));
     await page.goto(pathToFileURL(path.resolve(file)).href + hash);
-    if (scripts) await page.waitForSelector("html[data-ready]", { timeout: 20000, state: "attached" });
+    if (scripts) await page.waitForSelector("html[data-ready]", { state: "attached" });
     return page;
 }
 

@@ -1,8 +1,10 @@
 #include "program.hpp"
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 #include <stdexcept>
@@ -23,6 +25,15 @@ Outcome run(const std::string& arguments, const fs::path& folder, const std::str
         "(" + before + " exec '" LOSTBITS_PROGRAM "' " + arguments + ") >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
+}
+
+std::string ended_after(double seconds, const std::string& signal) {
+    const long ticks = std::lround(seconds * static_cast<double>(sysconf(_SC_CLK_TCK)));
+    // Behind the name in brackets the fields begin with the state; the 12th and 13th are the ticks.
+    return " & child=$!; while read -r stat </proc/$child/stat && set -- ${stat##*) } && [ $1 != Z ] && [ $((${12} + "
+           "${13})) -lt " +
+           std::to_string(ticks) + " ]; do sleep 0.02; done 2>/dev/null; kill -" + signal +
+           " $child 2>/dev/null; wait $child; exit $?";
 }
 
 Outcome must(const std::string& arguments, const fs::path& folder, const std::string& before) {

@@ -43,6 +43,10 @@ struct Refused {
 /// Runs `lostbits COMMAND WORDS` of each row in the folder: it prints nothing, and leaves nothing there.
 void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows);
 
+/// Shell words behind a command: it is ended by a signal once it has computed so many seconds, of a processor and not
+/// of a clock, which would end it on a machine with other work before it begins.
+std::string ended_after(double seconds, const std::string& signal);
+
 /// The option that takes results into a folder of the scratch folder, or into itself (`""`).
 inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
     return " -o '" + (folder.empty() ? scratch.path() : scratch.path() / folder).string() + "'";

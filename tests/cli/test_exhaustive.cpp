@@ -95,9 +95,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
                first_state = scratch / "parts/first/unfinished.state";
     int stops = 0;
     for (std::string more; stops < 20; more = " --resume") {
-        const auto r = run(
-            "-j 1 " + rows + out("parts") + more + " & child=$!; sleep 0.6; kill -TERM $child; wait $child; exit $?",
-            ".", "set -m; ");
+        const auto r = run("-j 1 " + rows + out("parts") + more + ended_after(0.6, "TERM"), ".", "set -m; ");
         if (fs::exists(ended)) break;
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));

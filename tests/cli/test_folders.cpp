@@ -203,10 +203,8 @@ TEST_CASE("a folder that a report and checked claims share keeps both, and its l
 
 TEST_CASE("an interrupted report leaves no folder") {
     const Scratch scratch;
-    const auto r =
-        run("report near-benign --size 700x700 -j 1 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
-            "wait $child; exit $?",
-            scratch.path(), "set -m; ");
+    const auto r = run("report near-benign --size 700x700 -j 1 -o page/inner" + ended_after(1.5, "TERM"),
+                       scratch.path(), "set -m; ");
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
     CHECK_FALSE(fs::exists(scratch / "page"));

@@ -146,10 +146,8 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
 TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     const Scratch scratch;
     scratch.write("s.toml", with_steps(4000));
-    const auto r =
-        run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out & child=$!; sleep 1.5; "
-            "kill -TERM $child; wait $child; exit $?",
-            scratch.path(), "set -m; ");
+    const auto r = run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out" + ended_after(1.5, "TERM"),
+                       scratch.path(), "set -m; ");
     CHECK(r.code == 130);
     CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
     CHECK_FALSE(has(r.err, "scenes"));

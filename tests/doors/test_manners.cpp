@@ -47,13 +47,10 @@ struct Ran {
     bool has_results = false;  ///< all of them, where they belong
 };
 
-/// Whether none is left, or those that were killed are on their way: a signal does not wait for the end that it brings.
-bool all_end(const std::string& mark) {
-    for (int tries = 0; tries < 40; ++tries) {
-        if (marked(mark).empty()) return true;
-        usleep(50'000);
-    }
-    return false;
+/// Waits until none is left: a signal does not wait for the end that it brings. What stays is ended with this test, and
+/// named, by what watches it.
+void wait_for_all_ends(const std::string& mark) {
+    while (!marked(mark).empty()) usleep(50'000);
 }
 
 /// A command with the library, ill-mannered in one way; no process may be left, and no half-written file.
@@ -69,7 +66,7 @@ Ran run_with(const std::string& manner, const std::string& words, const std::str
     ran.outcome = run(command + " --time-limit 3 --plugin " + library, folder.path(),
                       before + " export ILL_MANNER='" + manner + "' " + mark + ";");
     INFO(manner << " | " << before << words << " | " << ran.outcome.code << " | " << ran.outcome.err);
-    CHECK(all_end(mark));
+    wait_for_all_ends(mark);
     for (const std::string& file : folder.files()) CHECK_FALSE(has(file, ".partial-"));
     ran.has_results = tries ? has(ran.outcome.out, "ill.right in binary32, a sphere: does as it says")
                             : fs::exists(folder.path() / (checks ? "out.xml" : "out/near-benign/summary.csv")) &&
@@ -239,8 +236,7 @@ TEST_CASE("manners: signals reach the process that works, once each, and it does
             INFO(signal << " to " << (to_both ? "both: " : "the first: ") << contents(folder.path() / "err.txt"));
             CHECK(code == (signal == SIGKILL ? 128 + SIGKILL : 130));
             if (signal != SIGKILL) CHECK(has(contents(folder.path() / "err.txt"), "interrupted"));
-            for (int waited = 0; waited < 200 && !marked(mark).empty(); ++waited) usleep(10'000);
-            CHECK(all_end(mark));
+            wait_for_all_ends(mark);
             unsetenv("ILL_MANNER");
             unsetenv("ILL_RUN");
         }

@@ -19,10 +19,40 @@
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "shapes/triangle/mesh/mesh_file.hpp"
 
 namespace lostbits::fuzz {
 
-std::filesystem::path file_of(std::string_view bytes) {
+namespace {
+
+/// A folder of links to the file in memory, whose names end as a reader asks.
+class Links {
+public:
+    explicit Links(std::string file) : file_(std::move(file)) {
+        std::string name = (std::filesystem::temp_directory_path() / "lostbits-fuzz-XXXXXX").string();
+        if (!mkdtemp(name.data())) throw std::runtime_error("no folder for the names of files in memory");
+        folder_ = name;
+    }
+    ~Links() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    Links(const Links&) = delete;
+    Links& operator=(const Links&) = delete;
+    [[nodiscard]] std::filesystem::path ending_in(std::string_view extension) const {
+        const std::filesystem::path link = folder_ / ("input" + std::string(extension));
+        if (!std::filesystem::is_symlink(link)) std::filesystem::create_symlink(file_, link);
+        return link;
+    }
+
+private:
+    std::string file_;
+    std::filesystem::path folder_;
+};
+
+}  // namespace
+
+std::filesystem::path file_of(std::string_view bytes, std::string_view extension) {
     static const int file = memfd_create("input", 0);
     if (file < 0 || ftruncate(file, 0) != 0) throw std::runtime_error("no file in memory");
     for (std::size_t done = 0; done < bytes.size();) {
@@ -30,7 +60,10 @@ std::filesystem::path file_of(std::string_view bytes) {
         if (written <= 0) throw std::runtime_error("the file in memory takes no more");
         done += static_cast<std::size_t>(written);
     }
-    return "/proc/self/fd/" + std::to_string(file);
+    const std::string path = "/proc/self/fd/" + std::to_string(file);
+    if (extension.empty()) return path;
+    static const Links links(path);
+    return links.ending_in(extension);
 }
 
 void fuzz_scene(std::string_view bytes) {
@@ -104,6 +137,19 @@ void fuzz_rays(std::string_view bytes) {
         const auto dump = scene::dump::open_dump(path, options);
         scene::dump::Records records;
         while (dump->next(97, records)) static_cast<void>(dump->decode(records));
+    });
+}
+
+/// A file of a mesh: the first line says how its name ends.
+void fuzz_mesh(std::string_view bytes) {
+    static constexpr std::array<std::string_view, 5> extensions{".obj", ".ply", ".stl", ".gltf", ".glb"};
+    const std::string extension = take_line(bytes);
+    if (std::ranges::find(extensions, extension) == extensions.end()) return;
+    answer_or_error([&] {
+        const scene::triangle::Mesh mesh = scene::triangle::read_mesh_file(file_of(bytes, extension));
+        for (const auto& face : mesh.faces)
+            for (const std::size_t vertex : face)
+                if (vertex >= mesh.vertices.size()) throw std::logic_error("a face of a vertex that is not there");
     });
 }
 

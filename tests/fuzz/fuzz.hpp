@@ -1,5 +1,5 @@
-// Readers under arbitrary bytes. Each target is a function of the bytes, `fuzz_NAME`: libFuzzer calls it (entry.cpp),
-// and so does the test that replays what was found (test_found.cpp).
+// Readers under arbitrary bytes. Each target is a function of the bytes, `fuzz_NAME`, and a row of `targets`: libFuzzer
+// calls it (entry.cpp), and so does the test that replays what was found (test_found.cpp).
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace lostbits::fuzz {
 
 using Fuzz = void(std::string_view bytes);
 Fuzz fuzz_scene, fuzz_sweep, fuzz_claims, fuzz_report, fuzz_csv, fuzz_rays, fuzz_words, fuzz_baseline, fuzz_ray;
-Fuzz fuzz_headers, fuzz_plugin, fuzz_requests, fuzz_shader, fuzz_shard, fuzz_exr;
+Fuzz fuzz_headers, fuzz_plugin, fuzz_requests, fuzz_shader, fuzz_shard, fuzz_exr, fuzz_mesh;
 
 struct Target {
     std::string_view name;
@@ -24,11 +24,11 @@ inline constexpr Target targets[] = {
     {"scene", fuzz_scene},   {"sweep", fuzz_sweep},       {"claims", fuzz_claims}, {"report", fuzz_report},
     {"csv", fuzz_csv},       {"rays", fuzz_rays},         {"words", fuzz_words},   {"headers", fuzz_headers},
     {"exr", fuzz_exr},       {"baseline", fuzz_baseline}, {"shard", fuzz_shard},   {"ray", fuzz_ray},
-    {"plugin", fuzz_plugin}, {"requests", fuzz_requests}, {"shader", fuzz_shader},
+    {"plugin", fuzz_plugin}, {"requests", fuzz_requests}, {"shader", fuzz_shader}, {"mesh", fuzz_mesh},
 };
 
-/// A file in memory that holds the bytes for as long as nobody asks for the next one.
-std::filesystem::path file_of(std::string_view bytes);
+/// A file in memory that holds the bytes for as long as nobody asks for the next one; its path ends in `extension`.
+std::filesystem::path file_of(std::string_view bytes, std::string_view extension = "");
 
 /// Takes the first line away, and the break behind it.
 inline std::string take_line(std::string_view& bytes) {

@@ -4,6 +4,9 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #define HOLDS(condition)                   \
     do {                                   \
@@ -325,5 +328,24 @@ int client_runs_in_threads(void) {
     for (int i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
     for (int i = 0; i < 4; ++i)
         if (lines[i] != 0) return lines[i];
+    return 0;
+}
+
+/* Twenty processes, each forked right behind a call, whose threads would be on their way to rest. */
+int client_forks(void) {
+    lostbits_error error;
+    for (int i = 0; i < 20; ++i) {
+        int status = 0, line = 0;
+        pid_t child;
+        HOLDS(client_maps_a_text() == 0);
+        HOLDS(lostbits_end_threads(&error) == LOSTBITS_OK);
+        child = fork();
+        HOLDS(child >= 0);
+        if (child == 0) {
+            line = client_maps_a_text();
+            _exit(line == 0 ? 0 : 1);
+        }
+        HOLDS(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
     return 0;
 }

@@ -14,6 +14,7 @@ int client_gives_ranges_and_groups(void);
 int client_asks_for_offsets_and_a_choice(void);
 int client_stops(void);
 int client_runs_in_threads(void);
+int client_forks(void);
 }
 
 namespace lostbits::test {
@@ -27,6 +28,8 @@ TEST_CASE("rays begin and end, and are grouped", "[library]") { CHECK(client_giv
 TEST_CASE("offsets and a choice by length", "[library]") { CHECK(client_asks_for_offsets_and_a_choice() == 0); }
 TEST_CASE("a call that is stopped says so, and the next one runs", "[library]") { CHECK(client_stops() == 0); }
 TEST_CASE("several threads map at once", "[library]") { CHECK(client_runs_in_threads() == 0); }
+
+TEST_CASE("a process that is forked maps", "[library]") { CHECK(client_forks() == 0); }
 
 TEST_CASE("the library shows the functions of lostbits.h and nothing else", "[library]") {
     FILE* const names = popen("nm -D --defined-only --format=posix '" LOSTBITS_LIBRARY "'", "r");
@@ -42,7 +45,7 @@ TEST_CASE("the library shows the functions of lostbits.h and nothing else", "[li
         own += name.starts_with("lostbits_");
     }
     CHECK(pclose(names) == 0);
-    CHECK(own == 26);
+    CHECK(own == 27);
 }
 
 }  // namespace lostbits::test

@@ -1,4 +1,5 @@
 // What a file of GLSL says of its function.
+#include <ctime>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
@@ -247,17 +248,17 @@ TEST_CASE("shader: a megabyte of anything is read at once", "[shader]") {
                              "# version ", "{ ( ", "float a() {}\n"}) {
         INFO(part);
         const File file(hit + many(part) + "\n");
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         const ShaderSource shader = read_shader(file.path() + ":hit");
         CHECK(program_text(shader, 32, 450).size() > 1'000'000);
-        CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
+        CHECK((std::clock() - begin) / CLOCKS_PER_SEC < 20);
     }
     for (const char* part : {"lostbits:", "lostbits: ", "lostbits: a\n"}) {
         INFO(part);
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         const std::string said = refused(hit + "/*" + many(part) + "*/");
         CHECK(said.size() < 10'000);
-        CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
+        CHECK((std::clock() - begin) / CLOCKS_PER_SEC < 20);
     }
     const std::string said = refused(many("float a() {}\n"));
     CHECK(has(said, "and 76894 more"));

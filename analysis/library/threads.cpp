@@ -1,0 +1,16 @@
+// The threads that calls share.
+#include <tbb/global_control.h>
+
+#include "analysis/library/handles.hpp"
+
+using namespace lostbits;
+using namespace lostbits::analysis::library;
+
+extern "C" int lostbits_end_threads(lostbits_error* error) {
+    return guarded(error, [] {
+        tbb::task_scheduler_handle threads{tbb::attach{}};
+        if (!tbb::finalize(threads, std::nothrow))
+            throw EnvironmentError("the threads are in use: by a call, by a thread that made calls, or by others");
+        return Exit::done;
+    });
+}
