@@ -280,7 +280,7 @@ namespace {
 using Certain = number::wide::Running<double>;
 using Decision = mask_t<Certain>;
 
-/// Whether a ray begins in the closed solid: of what has no inside, no.
+/// Decides if a ray begins in the closed solid: no for what has no inside.
 Decision begins_inside(const QuadraticSpan<Certain>& s) { return s.c <= Certain(0); }
 Decision begins_inside(const QuarticSpan<Certain>& s) { return s.f.at(s.b) <= Certain(0); }
 Decision begins_inside(const SlabSpan<Certain>& s) {

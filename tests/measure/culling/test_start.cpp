@@ -1,4 +1,4 @@
-// What culling says of where a ray starts, against whole numbers: it never denies that a ray starts in a solid or on
+// The filter of rays that start inside, against whole numbers: it never denies that a ray starts in a solid or on
 // it, at sizes from the least subnormal number to the largest, under matrices too; and where doubles can tell it does.
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole
     return at_most(dot(o - centre, o - centre), r * r);
 }
 
-/// Whether the closed solid holds the origin, written down from what the shapes are; nothing has no inside.
+/// Decides if the closed solid holds the origin, written down from what the shapes are; nothing has no inside.
 bool holds(const std::string& shape, const Asked<Whole>& q) {
     const Vector<Whole>& o = q.o;
     const auto& n = q.n;
