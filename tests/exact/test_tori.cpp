@@ -10,7 +10,7 @@
 #include "measure/offset/half_line.hpp"
 #include "measure/seeded.hpp"
 #include "measure/truth/conditioning.hpp"
-#include "measure/truth/reach.hpp"
+#include "measure/truth/reach_of_t.hpp"
 #include "number/real.hpp"
 #include "shapes/torus/forms/forms.hpp"
 
@@ -105,7 +105,7 @@ TEST_CASE("what half an ulp of each number moves t of a torus by is within its r
             std::copy_n(p.solid.begin(), solid.used().size(), solid.numbers.begin());
             const Truth truth = find_truth(ray, solid);
             if (!truth.is_hit() || truth.touches || truth.on_surface) continue;
-            const double reach = measure::truth::reach(ray, solid, truth.t, binary32);
+            const double reach = test::reach_of_t(ray, solid, truth.t, binary32);
             const auto roots = roots_of(ray, solid);
             for (int k = 0; k < 4; ++k) {
                 Problem q = p;

@@ -47,12 +47,17 @@ double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatF
     return std::sqrt(std::ldexp(64, -format.precision) * sum);
 }
 
-/// The box of a solid, under a matrix that of the ball around it, wider by `growth`. Nothing where it is not finite,
-/// and where the solid has none: a plane, or one under a stored inverse.
+/// Lengths below it are roots of squares that may have lost bits, or all, to underflow.
+constexpr double least_trusted = 0x1p-400;
+
+/// The box of a solid, under a matrix that of the ball around it, wider by `growth`. Nothing where it is not finite or
+/// not to be trusted, and where the solid has none: a plane, or one under a stored inverse.
 std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth) {
     if (!has_hull(solid.shape) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
     Hull<double> hull;
     if (solid.placed) {
+        const auto own = visit(solid, [](const auto& shape) { return shape.ball_around(); });
+        if (!(std::min(own.radius, frobenius(solid.placed->map().rows)) >= least_trusted)) return std::nullopt;
         const auto ball = ball_around(solid);
         const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
         hull = {ball.centre - Vec<double>(reach, reach, reach), ball.centre + Vec<double>(reach, reach, reach)};
@@ -103,8 +108,9 @@ std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, co
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
     if (tree->order_.empty()) return nullptr;
-    // |(x, y, z)| ≤ √3 max |x|.
-    tree->margin_ = (0x1p-40 + std::min(widest, 0x1p-5)) * (bounds.origin + 1.75 * reach);
+    // |(x, y, z)| ≤ √3 max |x|. Of lengths below the least float squares may underflow, and so may a margin times
+    // 1/|d|.
+    tree->margin_ = (0x1p-40 + std::min(widest, 0x1p-5)) * (bounds.origin + 1.75 * reach + 0x1p-149);
     tree->behind_ = growth_of_all;
     tree->nodes_.reserve(tree->order_.size());
     tree->build(boxes, 0, static_cast<std::uint32_t>(tree->order_.size()));

@@ -15,7 +15,8 @@ namespace lostbits::measure::culling {
 /// rounded outward. A plane, and what nothing bounds here, is a candidate of every ray.
 ///
 /// A ray is held against a box that is wider by m on each side: m = (2^-40 + min(8 u, 2^-5)) (|O| + R), with R how far
-/// from the world's origin the solids reach, u the unit roundoff of the format whose forms are asked, 0 for the truth.
+/// from the world's origin the solids reach and no less than 2^-149, u the unit roundoff of the format whose forms are
+/// asked, 0 for the truth.
 /// In this file's arithmetic a crossing (b − o)/d of a slab is off by less than 4·2^-53 (|O| + R + m)/|d|, which 2^-40
 /// of that covers: no solid is missed that the line meets.
 ///

@@ -4,8 +4,15 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/capped_span.hpp"
+#include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
+#include "geometry/quartic_span.hpp"
+#include "geometry/wall_span.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/culling/box_tree.hpp"
+#include "number/wide/running.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::culling {
 
@@ -268,8 +275,33 @@ void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>&
     }
 }
 
-bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
-    return solid.placed || visit(solid, [&ray](const auto& shape) { return shape.may_hold(ray.origin); });
+namespace {
+
+using Certain = number::wide::Running<double>;
+using Decision = mask_t<Certain>;
+
+/// Decides if a ray begins in the closed solid: no for what has no inside.
+Decision begins_inside(const QuadraticSpan<Certain>& s) { return s.c <= Certain(0); }
+Decision begins_inside(const QuarticSpan<Certain>& s) { return s.f.at(s.b) <= Certain(0); }
+Decision begins_inside(const SlabSpan<Certain>& s) {
+    Decision inside = s.closed;
+    for (std::size_t i = 0; i < 3; ++i) inside = inside && s.entry[i].n <= Certain(0) && s.exit[i].n >= Certain(0);
+    return inside;
+}
+template <ToldSpan<Certain> S>
+Decision begins_inside(const S& s) {
+    return s.is_met() && s.enters_to(Start()).at_most && !s.leaves_to(Start()).less;
+}
+template <SurfaceSpan<Certain> S>
+Decision begins_inside(const S&) {
+    return {false, true};
+}
+
+}  // namespace
+
+bool may_start_inside(const Ray<double>& ray, const Solid<double>& solid) {
+    return with_span(lift_ray<Certain>(ray), lift_solid<Certain>(solid),
+                     [](const auto& span) { return !begins_inside(span).is_no(); });
 }
 
 }  // namespace lostbits::measure::culling

@@ -158,7 +158,8 @@ private:
     Indices forms_, own_truths_;
 };
 
-/// Whether a ray may start in the solid or on it.
-bool may_start_in(const Ray<double>& ray, const Solid<double>& solid);
+/// Decides if a ray may start in the solid or on it: no only where bounds on all roundings prove that it does not, so
+/// that what overflows, underflows or is too near to tell is a yes. What has no inside has no ray that starts there.
+bool may_start_inside(const Ray<double>& ray, const Solid<double>& solid);
 
 }  // namespace lostbits::measure::culling

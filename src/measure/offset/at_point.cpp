@@ -11,6 +11,7 @@
 #include "measure/offset/half_line.hpp"
 #include "measure/offset/smallest.hpp"
 #include "measure/truth/unit_direction.hpp"
+#include "number/wide/running.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::offset {
@@ -35,17 +36,19 @@ std::optional<double> exit_of(const Ray<double>& ray, const Solid<double>& solid
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
 }
 
-/// How far a point is from the surface of a solid at least: in doubles, less a margin for their rounding.
+/// How far a point is from the surface of a solid at least: 0 where the bounds on all roundings do not tell.
 double least_distance(const Vec<double>& p, const Solid<double>& solid) {
-    double size = largest_of(p);
-    for (const double x : solid.used()) size = std::max(size, std::fabs(x));
-    if (solid.placed) {
-        if (solid.placed->is_inverse) return 0;  // rounding could put the ball anywhere
-        const auto ball = ball_of(solid);
-        size = std::max({size, largest_of(ball.centre), largest_of(solid.placed->map().shift), ball.radius});
-        return distance(p, ball.centre) - ball.radius - 0x1p-40 * size;
-    }
-    return visit(solid, [&p](const auto& s) { return std::fabs(s.off_surface(p)) * s.unit(); }) - 0x1p-40 * size;
+    using Certain = number::wide::Running<double>;
+    if (solid.placed && solid.placed->is_inverse) return 0;  // rounding could put the ball anywhere
+    const Vec<Certain> at = lift_vec<Certain>(p);
+    const Solid<Certain> certain = lift_solid<Certain>(solid);
+    const auto from_surface = [&at](const auto& shape) { return abs(shape.off_surface(at) * shape.unit()); };
+    const auto from_ball = [&] {
+        const auto ball = ball_around(certain);
+        return length(Vec<Certain>(at - ball.centre)) - ball.radius;
+    };
+    const Certain away = solid.placed ? from_ball() : visit(certain, from_surface);
+    return std::max(0.0, (away.first() - away.radius()) * (1 - 0x1p-50));
 }
 
 }  // namespace

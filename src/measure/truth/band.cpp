@@ -206,7 +206,7 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;
     const auto solids = shared_solids_.listed();
     return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids, [ray = shared_[i]](const Solid<double>& solid) {
-        return culling::may_start_in(ray, solid);
+        return culling::may_start_inside(ray, solid);
     });
 }
 

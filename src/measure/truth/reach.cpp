@@ -41,7 +41,7 @@ int binary_exponent(const Real& x) {
     return x == 0 ? exponent_of_zero : e - 1;
 }
 
-/// Of numbers whose squares may underflow.
+/// √Σx², of numbers whose squares may underflow too.
 double length_of(std::span<const double> x, std::size_t first, std::size_t end) {
     double largest = 0, squares = 0;
     for (std::size_t i = first; i < end; ++i) largest = std::max(largest, std::fabs(x[i]));
@@ -57,7 +57,7 @@ struct Extent {
     explicit Extent(const One& x)
         : low(std::nextafter(x.value() - x.error(), -anywhere)),
           high(std::nextafter(x.value() + x.error(), anywhere)) {}
-    /// No less than the size of any of them, and no more.
+    /// The largest and the least size of them.
     [[nodiscard]] double most() const { return std::max(std::fabs(low), std::fabs(high)); }
     [[nodiscard]] double least() const { return std::max({0.0, low, -high}); }
     void join(const Extent& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
@@ -328,7 +328,7 @@ struct Slab {
     }
 };
 
-/// That of an axis, times its length.
+/// The slab between the ends of an axis; all of it times the length of the axis.
 Slab slab_of(const Vec<Each>& from, const Vec<Each>& to, const Ray<Each>& ray) {
     const Vec<Each> axis = to - from;
     return {dot(axis, Vec<Each>(ray.origin - from)), dot(axis, Vec<Each>(to - ray.origin)), dot(axis, ray.direction)};
@@ -377,13 +377,13 @@ public:
 private:
     using Pieces = std::array<bool, 3>;
 
-    /// Over v², so that it is P.
+    /// The quadratic of the side over v², which is P.
     static QuadraticSpan<Each> side(const Capsule<Each>& s, const Ray<Each>& ray) {
         const Vec<Each> v = s.end - s.start, m = cross(v, Vec<Each>(ray.origin - s.start)), n = cross(v, ray.direction);
         const Each v2 = square(v), zero(0);
         return {dot(m, n) / v2, square(m) / v2 - square(s.radius), square(n) / v2, zero, zero};
     }
-    /// Those in which the ray may be at a time of no more than this, before or after.
+    /// The pieces in which the ray may be within this time, before or after.
     [[nodiscard]] Pieces within(double time) const {
         const double way = time == 0 ? 0 : time * Extent(slab_.across.value()).most() * outward;
         const Extent low(slab_.from_low.value()), high(slab_.from_high.value());

@@ -101,9 +101,6 @@ struct Box {
         const T outside = length(Vec<T>(max(q.x, zero), max(q.y, zero), max(q.z, zero)));
         return outside + min(max(q.x, max(q.y, q.z)), zero);
     }
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        return !(p.x < lo.x || p.x > hi.x || p.y < lo.y || p.y > hi.y || p.z < lo.z || p.z > hi.z);
-    }
     /// Which plane a ray met: that of the latest of its entries or, from inside, of the earliest of its exits.
     struct Face {
         int axis = 0;

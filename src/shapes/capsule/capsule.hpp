@@ -88,11 +88,6 @@ struct Capsule {
     [[nodiscard]] T unit() const { return radius; }
     /// How far a point is from the surface, negative inside: |p − q| − r with q the point of the axis nearest to p.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - on_axis(p))) - radius; }
-    /// Whether it holds a point, in double, but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        const T size = length(p) + length(start) + length(end) + radius;
-        return !(distance(p) > 0x1p-40 * size) || !(square(axis()) > 0x1p-900);
-    }
     /// The outward unit normal at the point p of a ray: away from the axis.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> w = p - on_axis(p);

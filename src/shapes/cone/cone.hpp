@@ -84,12 +84,6 @@ struct Cone {
         const T inside = max(at.off_side(), at.off_caps());
         return select(inside <= T(0), inside, at.way_to_nearest());
     }
-    /// Whether it holds a point, in double, but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        const Profile at(*this, p);
-        const T slack = 0x1p-40 * (length(p) + length(base) + length(top) + unit());
-        return !(at.off_side() > slack || at.off_caps() > slack) || !(square(axis()) > 0x1p-900);
-    }
     /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Profile at(*this, p);

@@ -71,15 +71,6 @@ struct Cylinder {
         const T zero(0), x = off_side(p), y = off_caps(p), out_x = max(x, zero), out_y = max(y, zero);
         return sqrt(square(out_x) + square(out_y)) + min(max(x, y), zero);
     }
-    /// Whether it holds a point, in double: |v × f| ≤ r|v| and 0 ≤ v·f ≤ v² but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        const Vec<T> v = axis(), f = p - base;
-        const T v2 = square(v), slack = 0x1p-40 * v2, along = dot(v, f);
-        const T size = sqrt(v2) * (radius + 0x1p-40 * (radius + length(p) + length(base)));
-        const bool beside = square(cross(v, f)) > size * size,
-                   beyond = along < -slack - size * 0x1p-40 || along > v2 + slack + size * 0x1p-40;
-        return !(beside || beyond) || !(v2 > 0x1p-900);
-    }
     /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = axis(), w = across(p);

@@ -88,10 +88,6 @@ struct Disc {
         const T from = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
         return sqrt(square(max(max(inner_radius - from, from - outer_radius), T(0))) + square(up));
     }
-    /// Whether it holds a point, in double, but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        return !(distance(p) > 0x1p-40 * (length(p) + length(centre) + outer_radius)) || !(square(normal) > 0x1p-900);
-    }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);

@@ -73,8 +73,6 @@ struct Ellipsoid {
     /// How far a point is from the surface at least, negative inside: (|v/r| − 1) min(r), as |v/r| grows by at most
     /// 1/min(r) a unit of length. What is the distance has no closed form.
     [[nodiscard]] T distance(const Vec<T>& p) const { return (length(in_radii(p - centre)) - T(1)) * unit(); }
-    /// Whether it holds a point, in double: |v/r|² is good to 2^-49 of itself.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const { return !(square(in_radii(p - centre)) > 1 + 0x1p-40); }
     /// The outward unit normal at the point p of a ray: along v/r², whose components are multiplied by the shortest
     /// radius, so that none is larger than 1 on the surface.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {

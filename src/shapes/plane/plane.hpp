@@ -55,9 +55,6 @@ struct Plane {
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, Vec<T>(p - through)) / length(normal); }
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        return !(distance(p) > 0x1p-40 * (length(p) + length(through))) || !(square(normal) > 0x1p-900);
-    }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);

@@ -65,12 +65,6 @@ struct Sphere {
     [[nodiscard]] T unit() const { return radius; }
     /// How far a point is from the surface, negative inside: |p − G| − r.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(p - centre) - radius; }
-    /// Whether it holds a point, in double: |f|² is good to 2^-50 of itself unless it underflows, so that what is in it
-    /// or on it is never denied.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        const T f2 = square(p - centre);
-        return !(f2 > radius * radius * (1 + 0x1p-40) && f2 > 0x1p-900);
-    }
     /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const { return unit_of(Vec<T>(p - centre)); }
     /// What pictures shade with: (p − G)/r, outward whichever side is seen, unit only as far as p lies on it.

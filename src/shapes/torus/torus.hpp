@@ -84,10 +84,6 @@ struct Torus {
     [[nodiscard]] T unit() const { return minor_radius; }
     /// How far a point is from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const { return FromCircle(*this, p).away - minor_radius; }
-    /// Whether it holds a point, in double, but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        return !(distance(p) > 0x1p-40 * (length(p) + length(centre) + half_extent())) || !(square(axis) > 0x1p-900);
-    }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const FromCircle from(*this, p);
         const T k = T(1) / from.away;

@@ -91,12 +91,6 @@ struct Triangle {
     }
     /// |p − q|, q the point of the triangle nearest to p. It has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - nearest(p))); }
-    /// Whether the box around it holds a point.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        for (int i = 0; i < 3; ++i)
-            if (p[i] < min(min(a[i], b[i]), c[i]) || p[i] > max(max(a[i], b[i]), c[i])) return false;
-        return true;
-    }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const Vec<T> n = normal();

@@ -64,11 +64,6 @@ struct Tube {
     [[nodiscard]] T unit() const { return radius; }
     /// |p − q|, q the point of the wall nearest to p. It has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
-    /// Whether it holds a point, in double, but for roundings.
-    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
-        return !(distance(p) > 0x1p-40 * (length(p) + length(bottom) + length(top) + radius)) ||
-               !(square(axis()) > 0x1p-900);
-    }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {
         const Vec<T> w = across(p);

@@ -1,4 +1,4 @@
-// What errors of the inputs can move t by, in units of t.
+// How far errors of the inputs can move t, in units of t.
 #pragma once
 
 #include <cmath>

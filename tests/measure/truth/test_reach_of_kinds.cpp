@@ -1,4 +1,4 @@
-// What errors of the inputs can move t and the distance by, against problems that have such errors: every shape, random
+// How far errors of the inputs can move t and the distance, against problems that have such errors: every shape, random
 // rays and rays that run exactly across, along and through what they meet, lengths and directions of every exponent.
 #include <cmath>
 #include <optional>
@@ -144,7 +144,7 @@ private:
     [[nodiscard]] const Certified& answer(const Truth& truth) const {
         return length_ == Length::distance ? truth.distance : truth.t;
     }
-    /// What |d| adds to the slope of the distance by a component of d, over |d|: t dᵢ/d².
+    /// The part of |d| in the slope of the distance by a component of d, over |d|: t dᵢ/d².
     [[nodiscard]] double turn(std::size_t i) const {
         const Vec<double>& d = plain_.ray.direction;
         const Certified t = find_truth(plain_.ray, plain_.solid).t;
@@ -186,7 +186,7 @@ private:
     double bound_;
 };
 
-/// Whether a problem nearby may be met elsewhere: where a rim, or an edge, is met, which no bound is about.
+/// Leaves out a problem with others nearby that are met elsewhere: at a rim or an edge, which no bound is about.
 bool is_of_use(const Truth& truth, Shape shape) {
     if (!truth.is_hit() || truth.t.is_zero() || truth.on_surface) return false;
     const bool smooth = shape == Shape::sphere || shape == Shape::ellipsoid || shape == Shape::capsule;
@@ -198,7 +198,7 @@ struct Tally {
     double worst = 0;
 };
 
-/// What was seen of a shape, over bounds.
+/// Tries problems of a shape: how far they were seen to move, over the bounds.
 Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed perturbed, int draws, bool scale) {
     Tally tally;
     Seeded rng(0x5ca1ab1e + static_cast<std::uint64_t>(shape) * 16 + static_cast<std::uint64_t>(kind));

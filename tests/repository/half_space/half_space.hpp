@@ -43,7 +43,6 @@ struct HalfSpace {
     }
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return off_surface(p); }
-    [[nodiscard]] bool may_hold(const Vec<T>&) const { return true; }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const { return (T(1) / length(normal)) * normal; }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {

@@ -1,0 +1,264 @@
+// The filter of rays that start inside, against whole numbers: it never denies that a ray starts in a solid or on
+// it, at sizes from the least subnormal number to the largest, under matrices too; and where doubles can tell it does.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "exact/solids.hpp"
+#include "exact/whole.hpp"
+#include "measure/culling/box_tree.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/band.hpp"
+#include "scene/rays/rays.hpp"
+
+namespace lostbits::test::test_start {
+
+using exact::Asked;
+using exact::Vector;
+using exact::Whole;
+
+namespace {
+
+bool at_most(const Whole& a, const Whole& b) { return sign(a - b) <= 0; }
+
+/// The point as seen from an axis: s = v·f, and v² f² − s², v² times the square of how far it is aside.
+struct Beside {
+    Whole v2, s, aside;
+
+    Beside(const Vector<Whole>& o, const Vector<Whole>& from, const Vector<Whole>& to) {
+        const Vector<Whole> v = to - from, f = o - from;
+        v2 = dot(v, v), s = dot(v, f), aside = v2 * dot(f, f) - s * s;
+    }
+    [[nodiscard]] bool is_between() const { return sign(s) >= 0 && at_most(s, v2); }
+};
+
+bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole& r) {
+    return at_most(dot(o - centre, o - centre), r * r);
+}
+
+/// Decides if the closed solid holds the origin, written down from what the shapes are; nothing has no inside.
+bool holds(const std::string& shape, const Asked<Whole>& q) {
+    const Vector<Whole>& o = q.o;
+    const auto& n = q.n;
+    if (shape == "sphere") return is_in_ball(o, q.point(0), n[3]);
+    if (shape == "box") {
+        const Whole at[3] = {o.x, o.y, o.z};
+        for (std::size_t i = 0; i < 3; ++i)
+            if (!at_most(n[i], at[i]) || !at_most(at[i], n[i + 3])) return false;
+        return true;
+    }
+    if (shape == "ellipsoid") {
+        const Vector<Whole> f = o - q.point(0);
+        const Whole x = f.x * n[4] * n[5], y = f.y * n[3] * n[5], z = f.z * n[3] * n[4], r = n[3] * n[4] * n[5];
+        return at_most(x * x + y * y + z * z, r * r);
+    }
+    if (shape == "torus") {
+        const Vector<Whole> f = o - q.point(0), a = q.point(3);
+        const Whole n2 = dot(a, a), f2 = dot(f, f), af = dot(a, f), R2 = n[6] * n[6], e = f2 + R2 - n[7] * n[7];
+        return at_most(n2 * e * e, Whole(4) * R2 * (n2 * f2 - af * af));
+    }
+    if (shape == "cylinder" || shape == "capsule" || shape == "cone") {
+        const Beside at(o, q.point(0), q.point(3));
+        const Whole side = at.v2 * n[6] * n[6];
+        if (shape == "cylinder") return at.is_between() && at_most(at.aside, side);
+        if (shape == "capsule")
+            return is_in_ball(o, q.point(0), n[6]) || is_in_ball(o, q.point(3), n[6]) ||
+                   (at.is_between() && at_most(at.aside, side));
+        const Whole r = n[6] * at.v2 + (n[7] - n[6]) * at.s;
+        return at.is_between() && at_most(at.v2 * at.aside, r * r);
+    }
+    return false;
+}
+
+bool has_inside(const std::string& shape) {
+    return shape != "triangle" && shape != "disc" && shape != "plane" && shape != "tube";
+}
+
+exact::Problem problem_of(const Ray<double>& ray, const Solid<double>& solid) {
+    exact::Problem p{};
+    for (int i = 0; i < 3; ++i) {
+        p.ray[static_cast<std::size_t>(i)] = ray.origin[i];
+        p.ray[static_cast<std::size_t>(3 + i)] = ray.direction[i];
+    }
+    std::ranges::copy(solid.used(), p.solid.begin());
+    if (solid.placed) p.matrix = solid.placed->matrix, p.is_placed = true, p.is_inverse = solid.placed->is_inverse;
+    return p;
+}
+
+/// A solid of random numbers, whole ones over 4 for half of them, that is what its shape asks.
+std::optional<Solid<double>> draw_solid(Seeded& rng, Shape shape) {
+    Solid<double> solid(shape);
+    const double grid = rng.coin() ? 0.25 : 0x1p-40;
+    for_each_key(shape, [&](const Key& key, std::size_t k) {
+        for (std::size_t i = k; i < k + key.count(); ++i)
+            solid.numbers[i] = std::round((key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2)) / grid) * grid;
+    });
+    if (shape == Shape::torus && solid.numbers[7] > solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
+    for (std::size_t i = 0; i < 3 && shape == Shape::box; ++i)
+        if (solid.numbers[i] > solid.numbers[i + 3]) std::swap(solid.numbers[i], solid.numbers[i + 3]);
+    return broken_limit(solid) ? std::nullopt : std::optional(solid);
+}
+
+/// All lengths 2^e times as large, as doubles have them.
+Solid<double> scaled_by(const Solid<double>& solid, int e) {
+    Solid<double> to = solid;
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        for (std::size_t i = k; i < k + key.count(); ++i)
+            if (key.kind != Key::Kind::direction) to.numbers[i] = std::ldexp(solid.numbers[i], e);
+    });
+    return to;
+}
+Vec<double> scaled_by(const Vec<double>& v, int e) {
+    return {std::ldexp(v.x, e), std::ldexp(v.y, e), std::ldexp(v.z, e)};
+}
+
+/// A point in the solid, on it or near, on a coarse grid for half of them.
+Vec<double> draw_point(Seeded& rng, const Solid<double>& solid) {
+    const Vec<double> share(rng.uniform(0, 1), rng.uniform(0, 1), rng.uniform(0, 1));
+    Vec<double> p = visit(solid, [&](const auto& s) { return Vec<double>(s.point_at(share)); });
+    p = p + std::exp2(rng.uniform(-60, 2)) * rng.vec(-1, 1);
+    if (rng.coin())
+        for (int i = 0; i < 3; ++i) p[i] = std::round(p[i] * 4) / 4;
+    return p;
+}
+
+struct Tally {
+    int held = 0, denied = 0;        ///< that start inside, and of which that is denied
+    int outside = 0, undecided = 0;  ///< that do not, and of which that is not told
+
+    void take(const Ray<double>& ray, const Solid<double>& solid) {
+        const std::string shape(row_of(solid.shape).name);
+        const bool may = measure::culling::may_start_inside(ray, solid);
+        const bool in = has_inside(shape) && holds(shape, Asked<Whole>(problem_of(ray, solid)));
+        held += in, denied += in && !may, outside += !in, undecided += !in && may;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("no ray that starts in a solid is said to start outside, at any size", "[culling]") {
+    for (const ShapeRow& row : shape_rows) {
+        Seeded rng(0x57a27 + static_cast<std::uint64_t>(row.shape));
+        Tally wide, usual;
+        for (int i = 0; i < test::draws(4000); ++i) {
+            const auto drawn = draw_solid(rng, row.shape);
+            if (!drawn) continue;
+            const bool is_usual = i % 2 == 0;
+            const int e = static_cast<int>(is_usual ? rng.integer(-20, 20) : rng.integer(-1074, 1020));
+            const Solid<double> solid = scaled_by(*drawn, e);
+            if (broken_limit(solid)) continue;
+            const Vec<double> direction = std::exp2(rng.uniform(-8, 8)) * rng.vec(-1, 1);
+            (is_usual ? usual : wide).take({scaled_by(draw_point(rng, *drawn), e), direction}, solid);
+        }
+        INFO(row.name);
+        CHECK(wide.denied + usual.denied == 0);
+        if (has_inside(std::string(row.name))) CHECK(std::min(wide.held, usual.held) > 20);
+        CHECK(usual.outside > 10);
+        CHECK(usual.undecided * 10 <= usual.outside);
+    }
+}
+
+TEST_CASE("no ray that starts in a solid under a matrix is said to start outside", "[culling]") {
+    for (const ShapeRow& row : shape_rows) {
+        Seeded rng(0x9147 + static_cast<std::uint64_t>(row.shape));
+        Tally wide, usual;
+        for (int i = 0; i < test::draws(4000); ++i) {
+            const auto drawn = draw_solid(rng, row.shape);
+            if (!drawn) continue;
+            const bool is_usual = i % 2 == 0, is_inverse = rng.coin();
+            const int most = is_usual ? 4 : 500, e = static_cast<int>(rng.integer(-most, most)),
+                      stretch = static_cast<int>(rng.integer(-most, most));
+            Solid<double> solid = scaled_by(*drawn, e);
+            std::array<double, 12> m{};
+            for (std::size_t k = 0; k < 12; ++k)
+                m[k] = std::ldexp(rng.uniform(-2, 2), k % 4 == 3 ? stretch + e : stretch);
+            solid.placed = transformed(Placement<double>{m, is_inverse, 1}, [](double x) { return x; });
+            if (broken_limit(solid) || !solid.placed->is_proper()) continue;
+            const Vec<double> p = draw_point(rng, *drawn);
+            const Affine<double> map = solid.placed->map();
+            // Of an inverse anywhere near will do.
+            const Vec<double> origin = is_inverse ? scaled_by(rng.vec(-2, 2), e) : map.point(scaled_by(p, e));
+            (is_usual ? usual : wide).take({origin, rng.vec(-1, 1)}, solid);
+        }
+        INFO(row.name);
+        CHECK(wide.denied + usual.denied == 0);
+        CHECK(usual.outside > 10);
+        CHECK(usual.undecided * 10 <= usual.outside);
+    }
+}
+
+TEST_CASE("a ray that starts in a cone whose products leave the doubles begins there", "[culling]") {
+    // axis × (o − base) is 2^513.
+    for (const int e : {258, -258}) {
+        scene::rays::RayGroup group;
+        const double size = std::ldexp(1.0, e);
+        group.solids.emplace_back(Cone<double>{{0, 0, -size}, {0, 0, size}, size, size / 4});
+        group.rays.push({{size / 16, size / 32, 0}, {0, 1, 0}});
+        group.rays.width = group.rays.y1 = 1;
+        const measure::truth::Band band(group);
+        const auto of = [&band](intersect::Inside inside) {
+            intersect::Convention convention;
+            convention.inside = inside;
+            return band.truth(0, convention);
+        };
+        const auto truth = of(intersect::Inside::zero);
+        CHECK(truth.is_hit());
+        CHECK(truth.t.is_zero());
+        CHECK_FALSE(of(intersect::Inside::miss).is_hit());
+    }
+}
+
+TEST_CASE("a tree of boxes names every solid that a ray meets where squares leave the doubles", "[culling]") {
+    using measure::culling::BoxTree;
+    std::size_t met = 0, trees = 0;
+    for (int round = 0; round < 60; ++round) {
+        Seeded rng(0x7ee + static_cast<std::uint64_t>(round));
+        // Lengths as small as they get, and solids that a matrix makes as large as they are small.
+        const bool is_placed = round % 2 == 1;
+        const int own = static_cast<int>(is_placed ? rng.integer(-900, 900) : rng.integer(-1060, 100)),
+                  stretch = is_placed ? -own + static_cast<int>(rng.integer(-4, 4)) : 0;
+        std::vector<Solid<double>> solids;
+        while (solids.size() < 96) {
+            const auto drawn = draw_solid(rng, shape_rows[solids.size() % shape_rows.size()].shape);
+            if (!drawn) continue;
+            Solid<double> solid = scaled_by(*drawn, own);
+            if (is_placed) {
+                std::array<double, 12> m{};
+                for (const std::size_t k : {0, 5, 10}) m[k] = std::ldexp(rng.uniform(0.5, 1), stretch);
+                for (const std::size_t k : {3, 7, 11}) m[k] = rng.uniform(-8, 8);
+                solid.placed = transformed(Placement<double>{m, false, 1}, [](double x) { return x; });
+            }
+            if (!broken_limit(solid)) solids.push_back(solid);
+        }
+        scene::rays::RayBlock rays;
+        for (int i = 0; i < 40; ++i) {
+            const Vec<double> to = solids[static_cast<std::size_t>(2 * i)].placed
+                                       ? solids[static_cast<std::size_t>(2 * i)].placed->map().shift
+                                       : scaled_by(rng.vec(-2, 2), own);
+            const Vec<double> direction = rng.vec(-1, 1);
+            const double away = is_placed ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);
+            rays.push({to - away * direction, direction});
+        }
+        rays.width = 40, rays.y1 = 1;
+        const scene::rays::SolidList<double> list(solids);
+        const auto tree = BoxTree::make(list, measure::culling::bounds_of(rays), nullptr);
+        if (!tree) continue;
+        ++trees;
+        std::vector<std::uint32_t> found;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            tree->candidates(rays[i], found);
+            for (std::uint32_t s = 0; s < solids.size(); ++s) {
+                if (!measure::truth::find_truth(rays[i], solids[s]).is_hit()) continue;
+                ++met;
+                INFO("round " << round << ", ray " << i << ", solid " << s);
+                CHECK(std::ranges::binary_search(found, s));
+            }
+        }
+    }
+    CHECK(met > 500);
+    CHECK(trees > 10);
+}
+
+}  // namespace lostbits::test::test_start
