@@ -199,7 +199,8 @@ private:
         if (enters(side)) {
             const Meeting met = find_meeting(line, own());
             const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
-            const bool lost = !met.meets || (met.outside && is_behind_wall(side, line));
+            // Past the far side of a convex solid nothing is met; past that of a torus the ring is, once more.
+            const bool lost = !met.meets || (met.outside && is_met_again(own()) && is_behind_wall(side, line));
             add(there.outside, Fault::wrong_side);
             add(r.asks_own && met.outside && !lost, Fault::self_hit);
             add(!r.asks_own || lost, Fault::lost_exit);

@@ -160,6 +160,10 @@ std::optional<bool> passes(const S& s) {
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
+/// What is met behind a touch is neither convex nor flat.
+template <template <class> class Of>
+constexpr bool met_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::is_met_behind_touch;
+
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
 /// From a point of the surface. Towards the axis the point is the near root, and the far one is the next wall where it
@@ -203,13 +207,16 @@ bool meets_before(const HalfLine& line, double end, const Solid<double>& solid) 
 
 double next_wall(const Ray<double>& leaving, const Solid<double>& solid) {
     return visit_shape(solid, [&]<template <class> class Of>() {
-        using Span = decltype(span_of<Of>(leaving, solid));
-        if constexpr (!Span::is_met_behind_touch) return nowhere;  // convex, or a flat piece: it has no other wall
+        if constexpr (!met_again<Of>) return nowhere;
         else
             return in_its_space<Of>(leaving, solid, [](const Of<double>& shape, const Ray<double>& its) {
                 return next_wall_of(shape.span({shape.projected(its, its.origin), its.direction}));
             });
     });
+}
+
+bool is_met_again(const Solid<double>& solid) {
+    return visit_shape(solid, []<template <class> class Of>() { return met_again<Of>; });
 }
 
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {

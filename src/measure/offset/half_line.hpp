@@ -38,6 +38,9 @@ bool meets_before(const HalfLine& line, double end, const Solid<double>& solid);
 /// wall from the surface that is left, and proves nothing.
 double next_wall(const Ray<double>& leaving, const Solid<double>& solid);
 
+/// Whether a ray that has left the primitive may meet it again: not where it is convex or flat.
+bool is_met_again(const Solid<double>& solid);
+
 /// Whether the way from a to b, both ends with it, meets inner points of the solid. a and b are finite.
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid);
 

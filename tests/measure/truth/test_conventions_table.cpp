@@ -7,6 +7,8 @@
 
 #include "catch.hpp"
 #include "intersect/conventions.hpp"
+#include "measure/answer/answers.hpp"
+#include "measure/rows.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace test_conventions_table {
@@ -197,6 +199,25 @@ TEST_CASE("conventions: a property on the origin that changes nothing is that of
         for (const Inside inside : insides)
             CHECK(intersect::origin_matters(shape.shape, inside) !=
                   (shape.shape == Shape::box && intersect::answers_0_inside(shape.shape, inside)));
+}
+
+TEST_CASE("conventions: the forms that tell the next crossing find it where the range leaves the first out",
+          "[measure][truth]") {
+    scene::file::Scene scene = test::load("consistency-on-surface", 8, 6);
+    scene.range.open.tmin = true;
+    const measure::truth::Band band(scene, 0, scene.height);
+    std::size_t tell = 0, lose = 0;
+    for (const auto& form : intersect::table::catalogue()) {
+        if (form.shape != Shape::sphere || !form.exists_in(*find_format("f32"))) continue;
+        const auto answers = measure::answer::evaluate(form, band.inputs_for(*find_format("f32"), *form.info));
+        const bool tells = intersect::tells_next_crossing(*form.info, form.shape);
+        const auto hits = std::ranges::count(answers.hit, 1);
+        INFO(form.info->name << " hits " << hits);
+        CHECK(hits == (tells ? 48 : 0));
+        ++(tells ? tell : lose);
+    }
+    CHECK(tell > 10);
+    CHECK(lose == 4);
 }
 
 TEST_CASE("conventions: docs/truth.md shows the table as it is", "[measure][truth]") {
