@@ -204,9 +204,10 @@ TEST_CASE("explain asks the other ways to make a camera's ray, and says of which
     CHECK_FALSE(has(text, "No other form that was asked does better"));
     const std::string placed = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified@plain").out;
     CHECK(has(placed, "half an ulp in each number of ray, solid and matrix as the world stores them would cost"));
-    CHECK(has(placed,
-              "transform and form lose no more. The inputs are exact: wider arithmetic on them helps, and "
-              "others do better without it, below."));
+    CHECK(
+        has(placed,
+            "transform and form lose no more. The inputs are exact: wider arithmetic on them helps. Others do better, "
+            "below."));
     CHECK(has(placed, "sphere.unified@relative (0.4 bits lost"));
 }
 

@@ -133,6 +133,10 @@ Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersec
     return s;
 }
 
+void add_if_better(Explanation& x, const Standing& s) {
+    if (s.around < x.standing.around) x.better.push_back(s);
+}
+
 void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
                  std::span<const Intersector* const> beside) {
     x.standing.around = lost_around(*x.form, x.format, around, x.tells_t());
@@ -156,7 +160,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
         if (!intersect::doors::is_harmless(innermost(*other)) && !named) continue;
         try {
             const Standing s = standing_beside(x, ray, *held, ray, around);
-            if (s.around < x.standing.around) x.better.push_back(s);
+            add_if_better(x, s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
             x.silent.emplace_back(error.what());
@@ -187,7 +191,7 @@ void find_better_makers(Explanation& x, const OneRay& ray, const PixelOf& pixel)
             const auto rays = pixels_around(pixel, scene, ray.judged());
             const Standing s =
                 standing_beside(x, ray, scene::rays::with_maker(maker, form), rays.front(), around_pixel(x, rays));
-            if (s.around < x.standing.around) x.better.push_back(s);
+            add_if_better(x, s);
         } catch (const InputError&) {}
     }
 }
