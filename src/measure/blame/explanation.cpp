@@ -93,8 +93,8 @@ std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inp
     return solids;
 }
 
-/// Whether two forms are asked for different answers, each on its ray. Where only one of them normalises the direction
-/// their t have different units, and the decision tells.
+/// Compares what two forms are asked for, each on its ray, and says if that differs. Where only one of them normalises
+/// the direction their t have different units, and the decision tells.
 bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
     const truth::Truth of_a = ray_a.truth(*a.info), of_b = ray_b.truth(*b.info);
     if (of_a.decision != of_b.decision) return true;

@@ -192,7 +192,7 @@ std::string sums_text(const Explanation& x, const OperationWords& words) {
 
 namespace {
 
-/// What the envelope moves: the numbers of the problem as it is stored, before any step of the form.
+/// The numbers that the envelope moves: the numbers of the problem as it is stored, before any step of the form.
 std::string each_input(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
     if (x.made_ray) return "half an ulp in each number of the ideal ray and of the solid";
@@ -211,7 +211,7 @@ bool another_does_better(const Explanation& x) {
     });
 }
 
-/// Of a loss that the envelope covers. What moves the problem bounds no other form, which has the same exact numbers.
+/// Words for a loss that the envelope covers. It bounds no other form, which has the same exact numbers.
 std::string within_envelope(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
     const char* const who = placed       ? "transform and form lose"
