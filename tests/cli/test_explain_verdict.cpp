@@ -175,6 +175,26 @@ TEST_CASE("a range that decides is in the verdict: what is compared with it, and
     CHECK(has(run(behind).out, "4.5 (open: no hit there)\n"));
 }
 
+TEST_CASE("where rounding turned which of two solids comes first, that is said, and which is off by more") {
+    // Without rounding the large sphere is met at 6.6e-5 and the small one at 1e-4; in binary32 at 1.4e-4 and 1e-4.
+    const std::string what =
+        "explain "
+        "--sphere=0,-1001,-30,1000 "
+        "--sphere=-0x1.66a0200000000p-1,-0x1.ab8c220000000p-1,-0x1.ba4da20000000p+4,0x1.0000000000000p-2 "
+        "--ray=-0x1.99f1260000000p-1,-0x1.00b6840000000p+0,-0x1.bccd100000000p+4,0x1.9a5e320000000p-2,0x1."
+        "5760720000000p-1,0x1.3f964e0000000p-1 "
+        "-i "
+        "sphere.unified "
+        "-f "
+        "f32";
+    const std::string text = run(what).out;
+    CHECK(has(text,
+              "Rounding turned which solid comes first: without it solid 0 is hit at 6.635315565288782e-05, and "
+              "solid 1 is hit at 9.99264"));
+    CHECK(has(text, "The larger error is that of solid 0, which the command above explains."));
+    CHECK_FALSE(has(text, "The decision is the same without rounding"));
+}
+
 TEST_CASE("a step to the next number that a form takes on purpose is not blamed as a rounding") {
     const std::string what = "explain instance-far.sphere --pixel 96,96 -i sphere.unified@pbrt";
     const std::string text = run(what).out;
@@ -204,9 +224,10 @@ TEST_CASE("explain asks the other ways to make a camera's ray, and says of which
     CHECK_FALSE(has(text, "No other form that was asked does better"));
     const std::string placed = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified@plain").out;
     CHECK(has(placed, "half an ulp in each number of ray, solid and matrix as the world stores them would cost"));
-    CHECK(has(placed,
-              "transform and form lose no more. The inputs are exact: wider arithmetic on them helps, and "
-              "others do better without it, below."));
+    CHECK(
+        has(placed,
+            "transform and form lose no more. The inputs are exact: wider arithmetic on them helps. Others do better, "
+            "below."));
     CHECK(has(placed, "sphere.unified@relative (0.4 bits lost"));
 }
 

@@ -25,7 +25,7 @@ Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     return range;
 }
 
-/// What a form said of a ray, as the range has it: over any number, so that a tape has these decisions as operations.
+/// The answer of a form in the range of its ray: over any number, so that a tape has these decisions as operations.
 /// `tmin` and `tmax` are the ends of `range`, which is not all that lies ahead.
 ///
 /// A form of surfaces that tells both roots has the first that lies in the range, which may be the far one; of a form

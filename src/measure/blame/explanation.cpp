@@ -94,8 +94,8 @@ std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inp
     return solids;
 }
 
-/// Whether two forms are asked for different answers, each on its ray. Where only one of them normalises the direction
-/// their t have different units, and the decision tells.
+/// Compares what two forms are asked for, each on its ray, and says if that differs. Where only one of them normalises
+/// the direction their t have different units, and the decision tells.
 bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
     const truth::Truth of_a = ray_a.truth(*a.info), of_b = ray_b.truth(*b.info);
     if (of_a.decision != of_b.decision) return true;
@@ -134,6 +134,10 @@ Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersec
     return s;
 }
 
+void add_if_better(Explanation& x, const Standing& s) {
+    if (s.around < x.standing.around) x.better.push_back(s);
+}
+
 void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
                  std::span<const Intersector* const> beside) {
     x.standing.around = lost_around(*x.form, x.format, around, x.tells_t());
@@ -157,7 +161,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
         if (!intersect::doors::is_harmless(innermost(*other)) && !named) continue;
         try {
             const Standing s = standing_beside(x, ray, *held, ray, around);
-            if (s.around < x.standing.around) x.better.push_back(s);
+            add_if_better(x, s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
             x.silent.emplace_back(error.what());
@@ -188,7 +192,7 @@ void find_better_makers(Explanation& x, const OneRay& ray, const PixelOf& pixel)
             const auto rays = pixels_around(pixel, scene, ray.judged());
             const Standing s =
                 standing_beside(x, ray, scene::rays::with_maker(maker, form), rays.front(), around_pixel(x, rays));
-            if (s.around < x.standing.around) x.better.push_back(s);
+            add_if_better(x, s);
         } catch (const InputError&) {}
     }
 }

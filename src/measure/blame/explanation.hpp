@@ -85,7 +85,7 @@ struct Explanation {
     /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of
     /// two bits or more.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
-    /// Whether the form would hit `missed` first without rounding.
+    /// Says if the form would hit `missed` first without rounding.
     [[nodiscard]] bool rounding_turned_order() const;
     /// Decisions on the way to the answer that rounding turned: live choices, and the form's own.
     [[nodiscard]] std::vector<NodeId> turned() const;
@@ -94,7 +94,7 @@ struct Explanation {
 /// What a form does on the ray, and not what others do there: `better`, `beside` and `around` stay as they are.
 Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
-/// Where a ray is from, of a scene whose camera says who makes its rays (`scene::file::with_rays`).
+/// The pixel that a ray is from, of a scene whose camera says who makes its rays (`scene::file::with_rays`).
 struct PixelOf {
     const scene::file::Scene* scene;
     int x, y;

@@ -14,7 +14,7 @@ NodeId side_taken(const Tape& tape, NodeId i);
 /// turned.
 bool can_err(TapeOp op);
 
-/// Whether what it adds is no rounding: a form goes to the next number on purpose.
+/// Says if the operation adds no rounding: a form goes to the next number on purpose.
 constexpr bool is_on_purpose(TapeOp op) { return op == TapeOp::next_up || op == TapeOp::next_down; }
 
 /// computed − the exact operation on the operands as computed, from error-free residuals: good to a few units in 2^-50

@@ -120,8 +120,8 @@ std::string rest_text(const Explanation& x, const OperationWords& words) {
 
 namespace {
 
-/// What the culprit does by itself: a rounding, a wrong choice, or a step to the next number; of so many ulps, where
-/// that is a number.
+/// The error that the culprit makes by itself: a rounding, a wrong choice, or a step to the next number; of so many
+/// ulps, where that is a number.
 std::string own_error(const Explanation& x, const OperationWords& words) {
     const NodeId culprit = x.attribution.culprit;
     const OperationError& e = words.of(culprit);

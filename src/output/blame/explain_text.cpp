@@ -192,7 +192,7 @@ std::string sums_text(const Explanation& x, const OperationWords& words) {
 
 namespace {
 
-/// What the envelope moves: the numbers of the problem as it is stored, before any step of the form.
+/// The numbers that the envelope moves: the numbers of the problem as it is stored, before any step of the form.
 std::string each_input(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
     if (x.made_ray) return "half an ulp in each number of the ideal ray and of the solid";
@@ -211,21 +211,19 @@ bool another_does_better(const Explanation& x) {
     });
 }
 
-/// Of a loss that the envelope covers.
+/// Words for a loss that the envelope covers. It bounds no other form, which has the same exact numbers.
 std::string within_envelope(const Explanation& x) {
-    const char* const loses = x.form->of(x.shape).is_placed ? "transform and form lose no more than that"
-                              : x.made_ray                  ? "making the ray and the form lose no more than that"
-                                                            : "the formula loses no more than that";
-    const std::string others = another_does_better(x) ? ", but that is no bound for others, which do better below" : "";
-    if (x.made_ray) return fmt::format("; {}{}.", loses, others);
-    if (x.rounded_inputs) return "; input rounding alone explains this loss.";
-    if (x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
-        return fmt::format("; {}{}.", loses, others);
-    return fmt::format("; {} is ill-conditioned in {}, and {}. The inputs are exact: wider arithmetic on them helps{}.",
-                       x.form->of(x.shape).is_placed ? "as the world stores it the problem" : "the problem",
-                       x.format.name,
-                       x.form->of(x.shape).is_placed ? "transform and form lose no more" : "the formula loses no more",
-                       another_does_better(x) ? ", and others do better without it, below" : "");
+    const bool placed = x.form->of(x.shape).is_placed;
+    const char* const who = placed       ? "transform and form lose"
+                            : x.made_ray ? "making the ray and the form lose"
+                                         : "the formula loses";
+    const char* const others = another_does_better(x) ? " Others do better, below." : "";
+    if (x.rounded_inputs && !x.made_ray) return "; input rounding alone explains this loss.";
+    if (x.made_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
+        return fmt::format("; {} no more than that.{}", who, others);
+    return fmt::format(
+        "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
+        placed ? "as the world stores it the problem" : "the problem", x.format.name, who, others);
 }
 
 }  // namespace

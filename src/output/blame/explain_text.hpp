@@ -21,7 +21,7 @@ struct MarchEnd {
 std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
                                      const measure::answer::OneRay& ray);
 
-/// What is concluded of an explained ray. Text, JSON and page are views of this one: what it says stands in each of
+/// The conclusions on an explained ray. Text, JSON and page are views of this one: what it says stands in each of
 /// them, word for word.
 struct Verdict {
     std::string
@@ -47,7 +47,7 @@ std::string explain_text(const measure::blame::Explanation& x, bool all, const s
 /// decisions rounding changed.
 std::string sums_text(const measure::blame::Explanation& x, const OperationWords& words);
 
-/// Whether the problem or the formula is to blame, by the envelope, which is of the problem as it is stored: of a
+/// Blames the problem or the formula, by the envelope, which is of the problem as it is stored: of a
 /// primitive under a matrix that of the world, of a camera's ray that of the ideal one.
 std::string envelope_sentence(const measure::blame::Explanation& x);
 

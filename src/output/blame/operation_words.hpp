@@ -32,7 +32,7 @@ public:
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     /// `24 catastrophic`
     [[nodiscard]] std::string cancellation(NodeId i) const;
-    /// Whether the answer is computed from it: what only chose a branch, or was compared and not taken, too. Not what
+    /// Says if the answer is computed from it: what only chose a branch, or was compared and not taken, too. Not what
     /// stands on a side that was not taken, and of a miss not what only t is computed from.
     [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
     /// Whether the table has a row for it.

@@ -72,6 +72,33 @@ TEST_CASE("cancellation and contributions of labels: parts of what there is", "[
     CHECK(cancelled > 200);
 }
 
+TEST_CASE("a limit of a ray that rounding turned has a culprit among the operations, and the choice of a root is one",
+          "[culprits]") {
+    // t is 1.4e-4 in binary32 and 6.6e-5 without rounding, and the ray begins at 1e-4.
+    const Intersector& form = form_named("sphere.unified");
+    const std::array<Solid<double>, 1> solids{Sphere<double>{{0, -1001, -30}, 1000}};
+    const Ray<double> ray{{-0x1.99f126p-1, -0x1.00b684p+0, -0x1.bccd1p+4},
+                          {0x1.9a5e32p-2, 0x1.576072p-1, 0x1.3f964ep-1}};
+    const measure::blame::Setting without{solids}, with{solids, nullptr, nullptr, true};
+    MetricSet made;
+    const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, with).front();
+    const Format f32 = *find_format("f32");
+    measure::blame::Blamer blamer(form, f32, culprit->categories);
+    const auto whole = blamer.of(ray, intersect::Target<double>(solids[0]));
+    CHECK(whole.attribution->exact_hit);
+    CHECK(whole.attribution->subject == whole.tape->outputs.t);
+    const auto blame = blamer.of(ray, intersect::Target<double>(solids[0]), {.tmin = 0x1.a36e2ep-14});
+    CHECK_FALSE(blame.attribution->exact_hit);
+    REQUIRE(blame.culprit >= 1);
+    CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
+    const auto chooses = [&](const measure::blame::Setting& s) {
+        return std::ranges::any_of(measure::blame::operation_names(form, s),
+                                   [](const std::string& name) { return name.starts_with("t_in_range = "); });
+    };
+    CHECK(chooses(with));
+    CHECK_FALSE(chooses(without));
+}
+
 TEST_CASE("shares are of the rays that have a culprit: those on which nothing rounds are none", "[culprits]") {
     const std::array<std::uint64_t, 4> counts{90, 1, 3, 6};
     CHECK(measure::blame::culprit_share(counts, std::array<std::size_t, 1>{2}) == 0.3);

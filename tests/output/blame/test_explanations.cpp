@@ -192,7 +192,7 @@ TEST_CASE("text, JSON and table of an explained ray have one verdict, whatever t
         const auto has = [&blame](const char* words) { return blame.find(words) != std::string::npos; };
         if (starred.empty()) CHECK_FALSE(has("The culprit is"));
         if (has("o operation is to blame") || has("No operation rounded")) CHECK(starred.empty());
-        // What it says of decisions is what the two runs decided, and what the table shows.
+        // The words on decisions are what the two runs decided, and what the table shows.
         const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"], cut = s.x.attribution.cut_short;
         if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
         if (has("The decision is the same")) CHECK_FALSE(s.x.standing.is_right());
