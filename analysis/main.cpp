@@ -226,6 +226,7 @@ int run_program(int argc, char** argv) {
         const scene::toml::FilesOfRun files;
         const Exit code = analysis::run_words(words, nullptr);
         // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
+        intersect::process::put_back_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");
         return static_cast<int>(code);

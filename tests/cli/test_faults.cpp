@@ -213,8 +213,9 @@ TEST_CASE("results are whole, and say so, although nobody reads what is printed 
         INFO(words);
         const bool compares = std::string(words).starts_with("diff");
         if (compares) {
-            must("map mine.toml -i sphere.press -f f32 -o before", scratch.path());
-            must("map mine.toml -i sphere.press -f f32 --set 'sphere[0].radius=0.9' -o after", scratch.path());
+            must("map mine.toml -i sphere.press -f f32 --pixels csv -o before", scratch.path());
+            must("map mine.toml -i sphere.press -f f32 --pixels csv --set 'sphere[0].radius=0.9' -o after",
+                 scratch.path());
         }
         // Descriptors whose other end is gone before the program begins.
         run(std::string(words) + (compares ? " out" : " -o out") + " | true", scratch.path(), "sleep 0.2;");
@@ -309,8 +310,8 @@ TEST_CASE("a mesh whose buffer is a folder is bad input") {
 TEST_CASE("a mesh that does not fit into memory is told with its place, and fewer triangles are advised") {
     if (under_sanitizer) return;
     const Scratch scratch;
-    scratch.write("mesh.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 9\n"));
-    const auto r = run("map mesh.toml -i triangle.woop -f f32 -o out", scratch.path(), "ulimit -v 700000;");
+    scratch.write("mesh.toml", scene_text("[[mesh]]\nmake = \"grid\"\nparts = [4096, 4096]\n"));
+    const auto r = run("map mesh.toml -i triangle.woop -f f32 -o out", scratch.path(), "ulimit -v 300000;");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(has(r.err, "fewer triangles"));

@@ -134,6 +134,15 @@ void put_back_limits(const char* who) {
     end(who != nullptr ? who : "a library", what.c_str(), try_child);
 }
 
+/// After a call, where the last look is a while ago: what is printed next may go to a file.
+void put_back_limits_at_times(const char* who) {
+    static std::atomic<Clock::rep> looked{0};
+    const auto now = Clock::now().time_since_epoch();
+    if (now - Clock::duration(looked.load(std::memory_order_relaxed)) < std::chrono::milliseconds(50)) return;
+    looked.store(now.count(), std::memory_order_relaxed);
+    put_back_limits(who);
+}
+
 [[noreturn]] void watch_over_calls() {
     for (;;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -176,6 +185,7 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& comp
 InForeignCode::~InForeignCode() {
     if (!process::put_back_own_state(who_))
         end(who_, "closes descriptors that are the program's own", "close what you opened, each by its number");
+    put_back_limits_at_times(who_);
     const auto left = process::FloatingPoint::current();
     before_.set();
     if (left != computes_)

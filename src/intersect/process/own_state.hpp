@@ -28,7 +28,7 @@ void give_thread_own_folder() noexcept;
 [[nodiscard]] bool put_back_own_state(const char* who) noexcept;
 
 /// Limits that foreign code has lowered are as they were: after a library was loaded, ten times a second, and before a
-/// file is opened. Their name where the system refuses that (a hard limit can be lowered, and raised by root alone),
+/// file is opened or written. Their name where the system refuses that (a hard limit can be lowered, and raised by root alone),
 /// else null. Async-signal-safe.
 const char* put_back_limits() noexcept;
 

@@ -180,6 +180,7 @@ void AtomicFile::fail(const char* what, int error_number) {
 }
 
 void AtomicFile::flush() {
+    if (buffered_ > 0) intersect::process::put_back_limits();
     std::size_t done = 0;
     while (done < buffered_) {
         const ssize_t n = ::write(fd_, buffer_.get() + done, buffered_ - done);
@@ -218,7 +219,6 @@ std::int64_t AtomicFile::tell() const noexcept { return file_position_ + static_
 
 void AtomicFile::commit() {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");
-    intersect::process::put_back_limits();
     flush();
     buffer_.reset();
     // On the disk before it has its name: after a crash of the machine some file systems would show an empty file under

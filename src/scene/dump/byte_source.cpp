@@ -21,6 +21,8 @@ ByteSource::ByteSource(const std::filesystem::path& path, intersect::process::St
         const int error = errno;
         if (error == ENOENT || error == ENOTDIR)
             throw InputError(name_ + ": there is no such file; look at its name and the folder you are in");
+        if (error == ELOOP || error == ENAMETOOLONG)
+            throw InputError(name_ + ": cannot be followed: " + std::strerror(error) + "; check the path");
         fail(std::string("cannot open: ") + std::strerror(error));
     }
     struct stat status {};

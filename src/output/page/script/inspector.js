@@ -71,9 +71,7 @@ function metricTable(facts) {
 }
 
 /** A word as a shell reads it back. */
-function shellWord(word) {
-    return /^[A-Za-z0-9_./,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
-}
+function shellWord(word) { return /^[A-Za-z0-9_./,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`; }
 
 /** What to type for the same map, and for one ray of it. */
 function commandsFor(map, row, x, y, metric) {

@@ -129,7 +129,8 @@ function sweepClaim() {
             row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
                                    `at = [${(sweep.kind === "line" ? [sweep.steps[cell]] : placesOf(sweep, cell)).map(decimal).join(", ")}]`;
     return claimText(
-        sweep.id, `sweep = ${JSON.stringify(sweep.claimed)}\n${at}`, row, [column, value], total(row.outcomes[cell]), sweep.is_drawn);
+        sweep.id, `sweep = ${JSON.stringify(sweep.claimed)}\n${at}`, row, [column, value], total(row.outcomes[cell]),
+        sweep.is_drawn);
 }
 
 function turnRow(by) {
