@@ -38,7 +38,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
              {"back", "say LB_FACING_BACK (facing_back, facing=back)"},
              {"both", "the other side is met as well; leave facing out"},
              {"ahead", "say LB_MISS (origin_misses, at_origin=miss)"},
-             {"plane", "a ray along it hits; it should miss, since it does not cross it"},
+             {"plane", "a ray in its plane hits at t = 0; it should miss, since it does not cross it"},
              {"other", "say LB_FACING_BACK (facing_back, facing=back)"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), says));

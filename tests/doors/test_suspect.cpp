@@ -232,6 +232,90 @@ TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by m
               "wrong on the one ray that hit or should: 1 misses what it should hit"));
 }
 
+namespace {
+
+/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius, which `told` answers: a t, or
+/// NaN for a miss.
+template <class Told>
+std::vector<measure::contract::Judged> beside(double radius, double reach, const Told& told) {
+    std::vector<measure::contract::Judged> all;
+    for (int i = 0; i < 400; ++i) {
+        const double side = reach * i / 400, from = 4 * radius, left = radius * radius - side * side;
+        measure::contract::Judged j{.ray = {{side, 0, -from}, {0, 0, 1}},
+                                    .solid = Solid<double>(Sphere<double>{{0, 0, 0}, radius}),
+                                    .truly_hits = left >= 0};
+        if (j.truly_hits) j.true_t = j.other_measure = from - std::sqrt(left);
+        j.t = told(side, from);
+        j.hit = !std::isnan(j.t);
+        all.push_back(j);
+    }
+    return all;
+}
+
+/// The t of a sphere of another radius.
+auto of_radius(double radius) {
+    return [radius](double side, double from) { return from - std::sqrt(radius * radius - side * side); };
+}
+
+}  // namespace
+
+TEST_CASE("suspicion: a guess explains hits and misses, and more than that all is missed", "[doors]") {
+    using measure::contract::suspicion;
+    // What never hits is no sign of anything, however thin or large what it misses.
+    const auto never = [](double, double) { return std::nan(""); };
+    for (const double radius : {0x1p-10, 0.001, 0.1, 0.5, 1.0, 50.0, 1e6}) {
+        for (const double reach : {0.9, 1.0, 3.0}) {
+            const std::string words = suspicion(beside(radius, reach * radius, never));
+            INFO(radius << ' ' << reach << ": " << words);
+            CHECK(has(words, "miss what they should hit; no mistake that is known here"));
+            CHECK_FALSE(has(words, "seem"));
+        }
+    }
+    for (const ShapeRow& shape : shape_rows) {
+        std::vector<measure::contract::Judged> all;
+        const Solid<double> solid = solid_around<double>(shape.shape, {0, 0, 0}, 0.01);
+        for (int i = 0; i < 50; ++i)
+            all.push_back({.ray = {{1e-4 * i, 0, -5}, {0, 0, 1}}, .solid = solid, .truly_hits = true, .true_t = 4.99});
+        INFO(shape.name);
+        CHECK_FALSE(has(suspicion(all), "seem"));
+    }
+    // One that hits a sphere of another radius is told by its hits and its misses.
+    CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the radius seems to be taken for its square"));
+    CHECK(has(suspicion(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
+    CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))), "a diameter seems to be handed over for the radius"));
+    // Hits as of one twice as large that stop at the sphere's own rim are not: rays between the two are missed.
+    CHECK_FALSE(
+        has(suspicion(beside(
+                2, 6, [](double side, double from) { return side > 2 ? std::nan("") : of_radius(4)(side, from); })),
+            "seem"));
+    // Nor are two hits in the middle of 400 misses.
+    CHECK_FALSE(
+        has(suspicion(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })), "seem"));
+}
+
+TEST_CASE("suspicion: a guess is tested on rays that it was not made from", "[doors]") {
+    using measure::contract::suspicion;
+    // One wrong answer, of which a factor or a sign could always be made.
+    auto all = judged([](double t, double, double) { return t; });
+    all.resize(1);
+    for (const double factor : {-1.0, 1000.0, 7.5}) {
+        all[0].t = factor * all[0].true_t;
+        CHECK(has(suspicion(all), "wrong on the one ray that hit or should: 1 has a t that is off by more than 0.4%"));
+    }
+}
+
+TEST_CASE("suspicion: a dump whose rays all miss a large sphere is not explained by its radius", "[doors]") {
+    const Scratch folder;
+    std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n";
+    for (int i = 0; i < 39; ++i)
+        rays += std::to_string(7.5 + i) + "," + std::to_string(0.25 * i - 5) + ",200,0,0,-1,0,\n";
+    folder.write("rays.csv", rays);
+    const Outcome o = must("judge rays.csv --sphere 0,0,0,50 -o out", folder.path());
+    INFO(o.err);
+    CHECK(has(o.err, "miss what they should hit"));
+    CHECK_FALSE(has(o.err, "seem"));
+}
+
 TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early", "[doors]") {
     const double nan = std::nan("");
     // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
@@ -280,7 +364,11 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
         return run("map " + scene + " --size 48x32 -f f32 -o out -i " + form + odd, folder.path()).err;
     };
     CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: on all 1536 rays of camera-inside: wrong on "));
-    CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "taken for its square"));
+    folder.write("large.toml", scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = 4\n", "",
+                                          "kind = \"pinhole\"\nfov_deg = 50\neye = [0, 0, 12]\n"));
+    CHECK(has(map("odd.squared", "large.toml"), "taken for its square"));
+    // Of a radius of 1000 the square root is missed by all rays, which says nothing of a radius.
+    CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "miss what they should hit; no mistake that is known here"));
     CHECK(has(map("odd.far_first", "near-benign"), "far root"));
     CHECK(has(map("odd.forgetful", "near-benign"),
               "odd.forgetful f32: on all 1536 rays of near-benign: wrong on "));  // a number for each call

@@ -40,10 +40,12 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
     const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
-    for (const std::string form : {"clipped",     "clipped_ahead", "zero",    "misses",    "exit_at_origin", "near",
-                                   "signed_near", "near_line",     "insists", "box_exit",  "box_clipped",    "box_near",
-                                   "endless",     "segment",       "centre",  "at_origin", "thickness",      "points",
-                                   "in_range",    "box_in_range",  "blocks",  "triangle",  "open_triangle"}) {
+    for (const std::string form :
+         {"clipped",     "clipped_ahead", "zero",          "misses",        "exit_at_origin",
+          "near",        "signed_near",   "near_line",     "insists",       "box_exit",
+          "box_clipped", "box_near",      "endless",       "segment",       "centre",
+          "at_origin",   "thickness",     "points",        "in_range",      "box_in_range",
+          "blocks",      "triangle",      "open_triangle", "segment_point", "segment_thickness"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
     }
@@ -63,7 +65,7 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
              {"open_triangle", "a ray through an edge misses; say LB_MISS (touching_misses, touching=miss)"},
              {"at_triangle", "a surface at the origin is passed over; say LB_MISS (origin_misses, at_origin=miss)"},
              {"open_at_start", "both ends of a range belong to it, start <= t <= end"},
-             {"forgets_the_start", "a range that begins behind the solid, where t = 8, hits"},
+             {"forgets_the_start", "a range that begins behind the solid, where t = 8, hits; it should miss"},
              {"thickness", "the thickness; hand over near + thickness"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), "promises broken"));
@@ -91,7 +93,7 @@ TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
     const auto summary = folder.path() / "out/camera-inside/summary.csv";
     for (const std::string form :
          {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
-          "segment", "at_origin", "thickness", "points"}) {
+          "segment", "at_origin", "thickness", "points", "segment_point", "segment_thickness"}) {
         auto row = row_of(summary, "word." + form);
         INFO(form << ' ' << row["lost_bits_max"]);
         CHECK(row["false_hit"] == "0");

@@ -114,8 +114,12 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
     for (const auto& file : files) {
         // In the short tests each on one driver, in turns; one driver takes HLSL.
         const std::string device = is_long() || file.extension() == ".hlsl" ? "all" : all.at(turn++ % all.size()).first;
-        const Outcome o = must("plugin check --device " + device + " --shader " + file.string(), folder.path());
-        CHECK(has(o.out, "does as it says"));
+        const Outcome o = run("plugin check --device " + device + " --shader " + file.string(), folder.path());
+        const bool traces = file.filename() == "sphere_tracer.glsl";  // down to a threshold of its own, 0.001
+        INFO(file << o.out << o.err);
+        CHECK(o.code == (traces ? 1 : 0));
+        CHECK(has(o.out, traces ? "BROKEN scale        where all lengths are 2^-" : "does as it says"));
+        CHECK(static_cast<bool>(has(o.out, "BROKEN")) == traces);
     }
     const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.signs -f f32");
     for (const auto& row : read_csv(out / "summary.csv")) {

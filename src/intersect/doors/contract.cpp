@@ -130,6 +130,21 @@ void require_sense(const Contract& c, const std::string& library) {
     require_origin(c.at_origin, inside_of(c), c.shape, from);
 }
 
+Info info_of(const Contract& c) {
+    return {.name = c.name,
+            .title = c.title,
+            .source = c.source,
+            .direction = c.direction,
+            .roots = c.roots,
+            .touching = c.touching,
+            .at_origin = c.at_origin,
+            .formats = c.bits == 32 ? Formats::binary32_only : Formats::all,
+            .inside = inside_of(c),
+            .facing = c.facing,
+            .endless = c.roots == Roots::none && (c.flags & LB_NO_END) != 0,
+            .ranged = (c.flags & LB_RANGE) != 0};
+}
+
 Inside inside_of(const Contract& c) {
     const bool is_zero = zero_inside(c.shape);  // without a word
     if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;

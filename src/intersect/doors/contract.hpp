@@ -56,6 +56,9 @@ void require_front(Facing facing, Shape shape, const std::string& from);
 /// solid has anyway.
 Inside inside_of(const Contract& contract);
 
+/// The same words as those of a form of the catalogue. It points to the texts of the contract.
+Info info_of(const Contract& contract);
+
 /// The form as rows of the table, which the program keeps until it ends; a name that comes in two formats becomes one
 /// row. InputError where two of a name differ in more than the format, or a row of the table has the name.
 void enroll(std::vector<ForeignForm> forms);

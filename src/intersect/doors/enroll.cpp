@@ -15,21 +15,6 @@ std::deque<ForeignRow>& all_enrolled() {
     return rows;
 }
 
-Info info_of(const Contract& c) {
-    return {.name = c.name,
-            .title = c.title,
-            .source = c.source,
-            .direction = c.direction,
-            .roots = c.roots,
-            .touching = c.touching,
-            .at_origin = c.at_origin,
-            .formats = c.bits == 32 ? Formats::binary32_only : Formats::all,
-            .inside = inside_of(c),
-            .facing = c.facing,
-            .endless = c.roots == Roots::none && (c.flags & LB_NO_END) != 0,
-            .ranged = (c.flags & LB_RANGE) != 0};
-}
-
 template <class S>
 void answer_batch(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
     static_cast<ForeignBatch*>(own)->answer(rays, target, hits);

@@ -63,8 +63,16 @@ bool is_unwritten(S x) {
     return std::bit_cast<Bits<S>>(x) == unwritten<S>;
 }
 
-/// One answer as the table knows it: the first of the roots that counts, or what the contract says of a ray from
-/// inside.
+}  // namespace
+
+template <class S>
+void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit) {
+    std::ranges::fill(near_far, std::bit_cast<S>(unwritten<S>));
+    std::ranges::fill(hit, neither);
+}
+template void mark_unwritten(std::span<float>, std::span<std::uint8_t>);
+template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
+
 template <class S>
 Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end) {
     if (said == 0) return {false, 0, 0, 0};
@@ -88,16 +96,8 @@ Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S 
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
     return {hit, t, near, far};
 }
-
-}  // namespace
-
-template <class S>
-void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit) {
-    std::ranges::fill(near_far, std::bit_cast<S>(unwritten<S>));
-    std::ranges::fill(hit, neither);
-}
-template void mark_unwritten(std::span<float>, std::span<std::uint8_t>);
-template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
+template Hit<float> hit_of(const Contract&, std::uint8_t, const float*, float);
+template Hit<double> hit_of(const Contract&, std::uint8_t, const double*, double);
 
 void ForeignBatch::ask(const lb_batch& batch) {
     if ((form_.contract.flags & LB_ONE_THREAD) == 0) return form_.answer(batch);

@@ -14,6 +14,11 @@ namespace lostbits::intersect::doors {
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
 
+/// One answer as the table takes it: the first of the roots that counts, or what the contract says of a ray from
+/// inside. `said` is `hit`; `end` is where the ray ends, of the shapes whose forms are told.
+template <class S>
+Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end);
+
 class ForeignBatch {
 public:
     explicit ForeignBatch(ForeignForm form) : form_(std::move(form)) {}

@@ -145,6 +145,8 @@ constexpr lb_form plain_form() {
             .touching = static_cast<int>(Form::info.touching),
             .at_origin = static_cast<int>(Form::info.at_origin),
             .flags = (!told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U) |
+                     (Form::info.endless ? unsigned{LB_NO_END} : 0U) |
+                     static_cast<unsigned>(Form::info.inside) * LB_INSIDE_EXIT |
                      static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
             .own = nullptr,
             .run = answer_batch_of<Form, S, told>};

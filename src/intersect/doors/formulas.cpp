@@ -28,6 +28,7 @@ Contract stated_by(const Formula& formula) {
             .roots = info.roots,
             .touching = info.touching,
             .at_origin = info.at_origin,
+            .inside = info.inside,
             .facing = info.facing};
 }
 

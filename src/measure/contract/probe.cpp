@@ -117,10 +117,16 @@ void try_t(Trial& trial) {
     const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words(trial.shape) +
                        ": 3 is right, it says " + text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
+        Question aside = along(trial.shape, -8, 1);
+        aside.ray[0] = 0.5, aside.ray[1] = 0.25;
+        const Reply other = trial.ask(aside);  // a guess that the plainest ray gives is tested on another
         const auto is_as_of = [&](double size) {
-            Question q = along(trial.shape, -5, 1);
-            q.solid[length->number] = size;
-            return is_answer(plain.near, ends_of(q, trial.shape)->near);
+            const auto fits = [&](Question q, const Reply& r) {
+                q.solid[length->number] = size;
+                const auto ends = ends_of(q, trial.shape);
+                return ends ? r.hit == 1 && is_answer(r.near, ends->near) : r.hit == 0;
+            };
+            return fits(along(trial.shape, -5, 1), plain) && fits(aside, other);
         };
         const std::string key(length->key->name), the = "the " + key + " is ";
         if (is_as_of(std::sqrt(2.0)))
@@ -150,14 +156,15 @@ void try_direction(Trial& trial) {
 }
 
 void try_far(Trial& trial) {
-    const Reply outside = trial.ask(along(trial.shape, -5, 1));
-    if (is_answer(outside.far, 7)) return trial.kept("near and far, from outside");
-    if (is_answer(outside.near + outside.far, 7))
+    const Question q = along(trial.shape, -5, 1);
+    const Reply outside = trial.ask(q);
+    const double right = ends_of(q, trial.shape)->far;
+    if (is_answer(outside.far, right)) return trial.kept("near and far, from outside");
+    if (is_answer(outside.near + outside.far, right))
         return trial.broken("far is " + text_of(outside.far) + ", the thickness; hand over near + thickness");
-    trial.broken(
-        "far is " + text_of(outside.far) +
-        " where 7 is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) where it tells "
-        "one");
+    trial.broken("far is " + text_of(outside.far) + " where " + text_of(right) +
+                 " is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) where it tells "
+                 "one");
 }
 
 void try_behind(Trial& trial) {
@@ -205,44 +212,34 @@ void try_end(Trial& trial) {
                    "looked at (of a shader: float tmax)");
 }
 
-/// Of what says that it looks at where rays begin and end: near is met at 3, and far, where there is one, at 7.
+/// A form that says that it looks at where rays begin and end. The solid ends before t = 7.
 void try_range(Trial& trial) {
-    const auto within = [&trial](double start, double end) {
-        Question q = along(trial.shape, -5, 1);
+    const auto within = [](Shape shape, double start, double end) {
+        Question q = along(shape, -5, 1);
         q.start = start, q.end = end;
-        return trial.ask(q);
+        return q;
     };
-    const std::optional<Ends<double>> ends = ends_of(along(trial.shape, -5, 1), trial.shape);
-    const double near = ends->near, far = ends->far;
-    const Reply on = within(near, infinity);
-    trial.hold(on.hit == 1 && (!trial.tells_t || is_answer(on.near, near)),
-               "a range that begins at the first root has it",
-               "a range that begins at the first root, t = " + text_of(near) +
-                   ", does not have it; both ends of a range belong to it, start <= t <= end");
-    const std::string at_end = "a range that ends at the first root, t = " + text_of(near) + ", ";
-    if (trial.contract.touching == intersect::Touching::miss && has_inside(trial.shape))
-        trial.hold(within(0, near).hit == 0, "a range that ends at the first root touches, which is a miss",
-                   at_end + "hits; where touching is a miss the inside alone is met, which such a ray does not reach");
-    else
-        trial.hold(within(0, near).hit == 1, "a range that ends at the first root has it",
-                   at_end + "does not have it; both ends of a range belong to it, start <= t <= end");
-    trial.hold(within(far + 1, infinity).hit == 0, "a range that begins behind the solid has none of it",
-               "a range that begins behind the solid, where t = " + text_of(far + 1) +
-                   ", hits; `starts` says where each ray begins");
-    if (!(near < far)) return;
-    const double between = near + (far - near) / 4;
-    const Reply r = within(between, infinity);
-    const Inside inside = intersect::doors::inside_of(trial.contract);
-    const bool zero = inside == Inside::zero || (inside == Inside::usual && zero_inside(trial.shape));
-    const std::string begins = "a range that begins inside, at t = " + text_of(between) + ", ";
-    const double right = zero ? between : far;
-    if (inside == Inside::miss)
-        return trial.hold(r.hit == 0, begins + "misses", begins + "hits; say what it answers from inside");
-    trial.hold(r.hit == 1 && (!trial.tells_t || is_answer(r.near, right)),
-               begins + (trial.tells_t ? "answers " + text_of(right) : "hits"),
-               begins + (r.hit == 0 ? "misses" : "answers " + text_of(r.near)) +
-                   (trial.tells_t ? "; it should be " + text_of(right) : std::string()) +
-                   ", or say another answer from inside");
+    const auto hold = [&trial](const Question& q, const std::string& range, const std::string& why) {
+        const Decided right = trial.truth(q);
+        const Reply r = trial.ask(q);
+        const std::string right_words = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
+        const std::string words = r.hit != 1                   ? "misses"
+                                  : trial.tells_t && right.hit ? "answers " + text_of(r.near)
+                                                               : "hits";
+        trial.hold(trial.is_right(q, r, trial.contract), range + words,
+                   range + words + "; it should " + right_words + ": " + why);
+    };
+    const Shape shape = trial.shape;
+    const std::string both = "both ends of a range belong to it, start <= t <= end";
+    hold(within(shape, 3, infinity), "a range that begins at the first root, t = 3, ", both);
+    const bool open = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
+    hold(within(shape, 0, 3), "a range that ends at the first root, t = 3, ",
+         open ? "where touching is a miss the inside alone is met, which such a ray does not reach" : both);
+    hold(within(shape, 8, infinity), "a range that begins behind the solid, where t = 8, ",
+         "`starts` says where each ray begins");
+    if (is_crossed_twice(shape))
+        hold(within(shape, 4, infinity), "a range that begins inside, at t = 4, ",
+             "else say what it answers from inside");
 }
 
 /// One that must only be lived through.
@@ -304,12 +301,13 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("aside", try_aside);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);
     trial.probe("touching", try_touching);
-    const Inside inside = intersect::doors::inside_of(trial.contract);
-    if (!zero_inside(trial.shape) || inside == Inside::exit || inside == Inside::miss)
-        trial.probe("at-origin", try_at_origin);
+    if (is_flat(trial.shape)) trial.probe("within", try_within);
+    trial.probe("at-origin", try_at_origin);
     if (trial.tells_t) trial.probe("close", try_close);
     trial.probe("end", try_end);
     if (trial.says(LB_RANGE)) trial.probe("range", try_range);
+    trial.probe("scale", try_scale);
+    if (!trial.says_broken()) trial.probe("rays", try_rays);  // else what is wrong is known, and would be told again
     try_odd_numbers(trial);
     return std::move(trial.findings);
 }

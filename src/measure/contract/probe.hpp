@@ -20,10 +20,11 @@ struct Observation {
     std::string words;  ///< what it does, and what to write where that is not what it says
 };
 
-/// Asks the form, some twenty batches: whether it answers the same again, ray by ray, with a solid a ray and from
-/// several threads; whose directions, roots and ends it takes; what it makes of a ray that touches, starts on the
-/// surface, inside or beyond; of huge, zero and NaN numbers. Answers are right here to 2^-10 of themselves. A form that
-/// cannot answer at all throws what it throws. A formula of both roots has a t of its own: `first` tells that one
+/// Asks the form whether it answers the same again, ray by ray, with a solid a ray and from several threads; whose
+/// directions, roots and ends it takes; what it makes of a ray that touches, runs in a plane, starts on the surface,
+/// inside or beyond; of all sizes, of many rays at solids that lie at random, of huge, zero and NaN numbers. What is
+/// right is the truth by the form's own words; answers are right here to 2^-10 of themselves. A form that cannot answer
+/// at all throws what it throws. A formula of both roots has a t of its own: `first` tells that one
 /// (`doors::first_of`), and every probe tries it too.
 std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form,
                                       const intersect::doors::ForeignForm* first = nullptr);

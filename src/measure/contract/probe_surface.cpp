@@ -23,24 +23,39 @@ Answer answer_of(const Reply& r, double near, double far) {
     return is_answer(r.near, -near) ? Answer::unsigned_near : Answer::other;
 }
 
+/// A ray from inside along z, with the places next to its origin where the line enters and leaves.
+struct RayFromInside {
+    RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(along(trial.shape, z, 1))) {
+        intersect::doors::Contract exits = trial.contract;
+        exits.inside = Inside::exit, exits.roots = Roots::first_only, exits.facing = Facing::both;
+        far = truth_by(exits, along(trial.shape, z, 1)).t;
+        near = -truth_by(exits, along(trial.shape, z, -1)).t;
+    }
+    [[nodiscard]] Answer answer() const { return answer_of(reply, near, far); }
+    [[nodiscard]] bool far_is_right() const { return is_answer(reply.far, far); }
+    [[nodiscard]] std::string told(bool both) const {
+        if (reply.hit != 1) return "a miss";
+        return text_of(reply.near) + (both ? " and " + text_of(reply.far) : "");
+    }
+    [[nodiscard]] std::string roots() const { return text_of(near) + " and " + text_of(far); }
+
+    double from;
+    Reply reply;
+    double near = 0, far = 0;
+};
+
 /// Two rays off the middle, so that no root has the size of the other.
 struct FromInside {
-    explicit FromInside(const Trial& trial)
-        : up(trial.ask(along(trial.shape, 1, 1))), down(trial.ask(along(trial.shape, -1, 1))) {}
-    Reply up, down;  ///< roots -3 and 1; -1 and 3
+    explicit FromInside(const Trial& trial) : up(trial, 1), down(trial, -1) {}
+    RayFromInside up, down;
 
-    [[nodiscard]] Answer answer() const {
-        const Answer one = answer_of(up, -3, 1), other = answer_of(down, -1, 3);
-        return one == other ? one : Answer::other;
-    }
-    [[nodiscard]] bool far_is_right() const { return is_answer(up.far, 1) && is_answer(down.far, 3); }
+    [[nodiscard]] Answer answer() const { return up.answer() == down.answer() ? up.answer() : Answer::other; }
+    [[nodiscard]] bool far_is_right() const { return up.far_is_right() && down.far_is_right(); }
     [[nodiscard]] std::string words(bool both) const {
-        const auto told = [both](const Reply& r) {
-            if (r.hit != 1) return std::string("a miss");
-            return text_of(r.near) + (both ? " and " + text_of(r.far) : "");
-        };
-        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + told(up) + ", and " + told(down);
+        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.told(both) + ", and " +
+               down.told(both);
     }
+    [[nodiscard]] std::string roots() const { return up.roots() + ", and " + down.roots(); }
 };
 
 void try_interval(Trial& trial, const FromInside& inside) {
@@ -60,7 +75,7 @@ void try_interval(Trial& trial, const FromInside& inside) {
                 "from inside, near is clipped to 0; say LB_CLIPPED and LB_EXIT (clipped; flags=clipped, "
                 "at_origin=exit)");
     } else {
-        trial.broken(inside.words(true) + "; -3 and 1, and -1 and 3 are right");
+        trial.broken(inside.words(true) + "; " + inside.roots() + " are right");
     }
 }
 
@@ -103,27 +118,10 @@ std::string word_for(Facing facing) {
                                    : "LB_FACING_BACK (facing_back, facing=back)";
 }
 
-/// What is flat is neither entered nor left.
-void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
-    const intersect::doors::Contract& c = trial.contract;
-    const std::string surface = "a surface at the origin ";
-    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
-        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
-    const bool counts = ray.hit == 1;
-    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
-               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
-                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
-    if ((back.hit == 1) != (counts && c.facing == Facing::both))
-        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
-}
-
-/// Of a plane, which has no rim to touch: what runs in it does not cross it, by either word.
-void try_within(Trial& trial) {
-    Question q = along(trial.shape, -2, 0);
-    q.ray[0] = -5, q.ray[3] = 1;
-    const std::string what(row_of(trial.shape).words.touching);
-    trial.hold(trial.ask(q).hit == 0, what + " misses", what + " hits; it should miss, since it does not cross it");
-}
+/// The words of a contract on a surface at the origin.
+constexpr std::array<AtOrigin, 3> all_at_origin{AtOrigin::hit, AtOrigin::miss, AtOrigin::exit};
+constexpr std::array<const char*, 3> at_origin_words{
+    "LB_HIT (at_origin=hit)", "LB_MISS (origin_misses, at_origin=miss)", "LB_EXIT (origin_exits, at_origin=exit)"};
 
 }  // namespace
 
@@ -134,7 +132,7 @@ void try_inside(Trial& trial) {
     const Answer answer = inside.answer(), promised = promised_inside(c);
     if (!trial.tells_t) {
         const bool hits = promised != Answer::miss;
-        return trial.hold((inside.up.hit == 1) == hits && (inside.down.hit == 1) == hits,
+        return trial.hold((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
                           hits ? "a ray from inside hits" : "a ray from inside misses",
                           hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
                                : "a ray from inside hits; leave out that it misses (inside=miss)");
@@ -144,8 +142,8 @@ void try_inside(Trial& trial) {
                         (promised == Answer::near || promised == Answer::miss);
     if (answer == promised || behind) return trial.kept(what);
     const std::string word = word_for(answer, c.roots);
-    trial.broken(what + (word.empty() ? ": " + inside.words(false) + "; the roots are -3 and 1, and -1 and 3"
-                                      : "; say " + word));
+    trial.broken(what +
+                 (word.empty() ? ": " + inside.words(false) + "; the roots are " + inside.roots() : "; say " + word));
 }
 
 void try_facing(Trial& trial) {
@@ -164,77 +162,126 @@ bool try_other_side(Trial& trial) {
 }
 
 void try_touching(Trial& trial) {
+    // A tangent, a ray in the plane of a face, one through a rim: where the closed solid is hit and the open one
+    // missed.
+    intersect::doors::Contract closed = trial.contract, open = trial.contract;
+    closed.touching = Touching::hit, open.touching = Touching::miss;
     Question q = along(trial.shape, -5, 1);
-    q.ray[0] = 0x1p10;
-    if (is_flat(trial.shape) && ends_of(q, trial.shape)) return try_within(trial);
-    q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
-    if (is_flat(trial.shape) && !ends_of(q, trial.shape)) q.ray[0] = 1;  // a triangle, which is half as wide there
-    const Reply touch = trial.ask(q);
-    q.ray[0] = -q.ray[0];
-    const Reply other = trial.ask(q);
-    const bool promised = trial.contract.touching == Touching::hit;
+    const auto touches = [&](double x) {
+        q.ray[0] = x;
+        return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
+    };
+    if (!touches(2) && !touches(1)) return;  // a plane has no rim
     const std::string what(row_of(trial.shape).words.touching);
-    // A march stops short of a tangent by the root of its epsilon.
-    const auto ends = ends_of(q, trial.shape);
-    for (const Reply& r : {touch, other}) {
-        if (ends && trial.tells_t && r.hit == 1 && !(std::fabs(r.near - ends->near) <= 0.5))
-            return trial.broken(what + " is answered with t = " + text_of(r.near) + "; " + text_of(ends->near) +
-                                " is right");
+    int hits = 0, asked = 0;
+    for (const double from : {-5.0, -4.0, -7.0}) {
+        for (const double side : {1.0, -1.0}) {
+            Question one = q;
+            one.ray[0] *= side, one.ray[2] = from;
+            const double right = trial.truth(one, closed).t;
+            const Decided taken = taken_by(closed, trial.ask(one), one);
+            // A march stops short of a tangent by the root of its epsilon.
+            if (trial.tells_t && taken.hit && !(std::fabs(taken.t - right) <= 0.5))
+                return trial.broken(what + " is answered with t = " + text_of(taken.t) + "; " + text_of(right) +
+                                    " is right");
+            ++asked, hits += taken.hit;
+        }
     }
-    if (touch.hit != other.hit) return trial.told(what + " hits on one side of the solid and misses on the other");
-    trial.hold((touch.hit == 1) == promised, what + (touch.hit == 1 ? " hits" : " misses"),
-               what + (touch.hit == 1 ? " hits; say LB_HIT (touching=hit)"
-                                      : " misses; say LB_MISS (touching_misses, touching=miss)"));
+    if (hits > 0 && hits < asked)
+        return trial.told(what + " hits in " + std::to_string(hits) + " of " + std::to_string(asked) +
+                          " places: rounding decides, or the side that it is on");
+    const bool promised = trial.contract.touching == Touching::hit, hit = hits > 0;
+    const double beside = trial.contract.bits == 32 ? 0x1p-20 : 0x1p-49;  // eight numbers of the format
+    Question next = q;
+    next.ray[0] += hit ? beside : -beside;
+    if (hit != promised && (trial.ask(next).hit == 1) == hit)
+        return trial.told(what + (hit ? " hits, and so does one " : " misses, and so does one ") + text_of(beside) +
+                          (hit ? " outside" : " inside") + ": rounding decides");
+    trial.hold(
+        hit == promised, what + (hit ? " hits" : " misses"),
+        what + (hit ? " hits; say LB_HIT (touching=hit)" : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
+void try_within(Trial& trial) {
+    // Through its middle from either side, off it, from within it, beside it; and beside the plane.
+    constexpr double rays[][4]{{-5, 0, -2, 1}, {5, 0, -2, -1}, {-5, 0.5, -2, 1}, {-5, -1, -2, 1},
+                               {0, 0, -2, 1},  {5, 9, -2, -1}, {-5, 0, -1, 1},   {0.25, 0, -3, -1}};
+    for (const auto& [x, y, z, dx] : rays) {
+        Question q = along(trial.shape, z, 0);
+        q.ray = {x, y, z, dx, 0, 0};
+        const Reply r = trial.ask(q);
+        if (!taken_by(trial.contract, r, q).hit || trial.truth(q).hit) continue;
+        return trial.broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
+                            (trial.tells_t ? " at t = " + text_of(r.near) : "") +
+                            "; it should miss, since it does not cross it");
+    }
+    trial.kept("rays in its plane and beside it miss");
+}
+
+namespace {
+
+/// A ray from a point of the surface, along z, and the words for what is answered.
+struct FromSurface {
+    Question q;
+    Reply reply;
+    bool goes_in;
+
+    [[nodiscard]] std::string words(const Trial& trial) const {
+        const Decided taken = taken_by(trial.contract, reply, q);
+        return !taken.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(taken.t) : "hits";
+    }
+};
+
+/// Both ways from where the surface is at z = -2, and from where it is at z = 2.
+std::vector<FromSurface> from_surface(const Trial& trial) {
+    std::vector<FromSurface> rays;
+    const auto add = [&](double z, double direction, bool goes_in) {
+        const Question q = along(trial.shape, z, direction);
+        rays.push_back({q, trial.ask(q), goes_in});
+    };
+    add(-2, 1, true), add(-2, -1, false);
+    if (is_crossed_twice(trial.shape)) add(2, -1, true), add(2, 1, false);
+    return rays;
+}
+
+/// Of near and far the table takes the one that counts, whatever is said of the origin: they have to be told.
+bool is_right_from_surface(const Trial& trial, const FromSurface& r, const intersect::doors::Contract& by) {
+    if (by.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, by).hit;
+    return trial.is_right(r.q, r.reply, by);
+}
+
+bool all_right(const Trial& trial, const std::vector<FromSurface>& rays, const intersect::doors::Contract& by) {
+    return std::ranges::all_of(rays, [&](const FromSurface& r) { return is_right_from_surface(trial, r, by); });
+}
+
+}  // namespace
+
 void try_at_origin(Trial& trial) {
-    const intersect::doors::Contract& c = trial.contract;
-    const bool leaves = is_crossed_twice(trial.shape) && c.inside != Inside::miss && c.roots != Roots::near_only;
-    const Reply in = trial.ask(along(trial.shape, -2, 1)), out = trial.ask(along(trial.shape, -2, -1));
-    if (c.roots == Roots::both) {  // the table takes the one that counts
-        if (in.hit != 1) trial.broken("a ray that starts on the surface and goes in misses");
-        else if (trial.says(LB_CLIPPED) && !zero_inside(trial.shape))
-            trial.hold(out.hit == 1 || c.at_origin == AtOrigin::miss, "an entry at the origin is passed over",
-                       "a ray that starts on the surface and goes out misses; say LB_MISS (origin_misses, "
-                       "at_origin=miss)");
-        return;
+    const std::vector<FromSurface> rays = from_surface(trial);
+    const bool flat = is_flat(trial.shape);
+    const std::string surface = "a surface at the origin ";
+    const std::string in = "a ray that starts on the surface and goes in ", out = ", one that goes out ";
+    const std::string does =
+        flat ? surface + (rays[0].reply.hit == 1 || rays[1].reply.hit == 1 ? "counts" : "is passed over")
+             : in + rays[0].words(trial) + out + rays[1].words(trial);
+    if (all_right(trial, rays, trial.contract)) return trial.kept(does);
+    for (const AtOrigin at : all_at_origin) {
+        intersect::doors::Contract other = trial.contract;
+        other.at_origin = at;
+        if (makes_sense(other) && all_right(trial, rays, other))
+            return trial.broken(does + "; say " + at_origin_words[static_cast<std::size_t>(at)]);
     }
-    if (is_flat(trial.shape)) return try_on_flat(trial, in, out);
-    if (!trial.tells_t) {
-        const bool enters = leaves || c.at_origin == AtOrigin::hit;
-        trial.hold(
-            (in.hit == 1) == enters, enters ? "a ray that starts on the surface and goes in hits" : "it misses",
-            enters ? "a ray that starts on the surface and goes in misses" : "a ray that starts on the surface hits");
-        if (zero_inside(trial.shape)) return;
-        const bool exits = leaves && c.at_origin != AtOrigin::miss;
-        return trial.hold((out.hit == 1) == exits, exits ? "one that goes out hits" : "one that goes out misses",
-                          exits ? "one that goes out misses; say LB_MISS (origin_misses, at_origin=miss)"
-                                : "one that goes out hits; say LB_HIT or LB_EXIT (at_origin=hit, exit)");
+    for (const FromSurface& r : rays) {
+        if (is_right_from_surface(trial, r, trial.contract)) continue;
+        const Decided right = trial.truth(r.q);
+        return trial.broken((flat        ? surface
+                             : r.goes_in ? in
+                                         : "a ray that starts on the surface and goes out ") +
+                            r.words(trial) + "; " +
+                            (!right.hit      ? "a miss is right"
+                             : trial.tells_t ? text_of(right.t) + " is right"
+                                             : "it should hit"));
     }
-    const Answer entry = answer_of(in, 0, 4), exit = answer_of(out, -4, 0);
-    const bool zero = entry == Answer::zero, passed = entry == (leaves ? Answer::exit : Answer::miss);
-    const bool out_is_zero = exit == Answer::zero;
-    if (!zero && !passed)
-        return trial.broken(
-            in.hit != 1 ? "a ray that starts on the surface and goes in misses"
-                        : "a ray that starts on the surface and goes in is answered with t = " + text_of(in.near) +
-                              "; 0 or " + (leaves ? "4" : "a miss") + " would be right");
-    // Where exits do not count, one at the origin does not either.
-    const bool told_out = !zero_inside(trial.shape) && leaves;
-    const AtOrigin does = zero ? AtOrigin::hit : told_out && out_is_zero ? AtOrigin::exit : AtOrigin::miss;
-    if (zero && told_out && !out_is_zero)
-        return trial.broken(
-            "a surface at the origin counts where the ray goes in (t = 0), and not where it goes out (" +
-            (out.hit == 1 ? "t = " + text_of(out.near) : std::string("a miss")) + "); no word says that");
-    const bool either = !told_out && !zero && c.at_origin != AtOrigin::hit;
-    constexpr std::array<const char*, 3> does_words{"a surface at the origin counts: t = 0",
-                                                    "a surface at the origin is passed over",
-                                                    "an entry at the origin is passed over, an exit is t = 0"};
-    constexpr std::array<const char*, 3> say_words{"LB_HIT (at_origin=hit)", "LB_MISS (origin_misses, at_origin=miss)",
-                                                   "LB_EXIT (origin_exits, at_origin=exit)"};
-    const auto place = static_cast<std::size_t>(does);
-    trial.hold(does == c.at_origin || either, does_words[place],
-               std::string(does_words[place]) + "; say " + say_words[place]);
 }
 
 void try_close(Trial& trial) {

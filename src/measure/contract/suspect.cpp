@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -83,8 +84,6 @@ struct Reason {
     std::string to_file;     ///< and where a file holds the answers
     std::function<bool(const Judged&)> explains;
     About about = About::t;
-    /// Whether it needs a hit to be seen: an intersector that never hits is no sign of it.
-    bool by_a_hit = false;
 };
 
 struct Units {
@@ -170,7 +169,7 @@ std::vector<Reason> all_reasons() {
          [](const Judged& j) {
              return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.solid);
          },
-         About::all, true},
+         About::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
          [](const Judged& j) {
@@ -183,27 +182,26 @@ std::vector<Reason> all_reasons() {
          [](const Judged& j) {
              return fits(j, {j.ray.direction, j.ray.origin}, j.solid);
          },
-         About::all, true},
+         About::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
          [](const Judged& j) {
              return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.solid);
          },
-         About::all, true},
+         About::all},
         {"y and z of the rays seem to be exchanged against those of the solid",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
          [](const Judged& j) {
              return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.solid);
          },
-         About::all, true},
+         About::all},
     };
     all.insert(all.end(), std::begin(more), std::end(more));
     for (const Units& units : known_units)
         all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
                                    units.factor, units.words),
                        "hand over both in the same units", "write both in the same units",
-                       [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all,
-                       true});
+                       [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all});
     all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                    "write 1 for a hit and 0 for a miss", [](const Judged& j) { return j.hit != j.truly_hits; },
                    About::decisions});
@@ -215,8 +213,15 @@ const std::vector<Reason>& reasons() {
     return all;
 }
 
-bool explain_most(const std::vector<Judged>& some, const std::function<bool(const Judged&)>& explains) {
-    return 10 * static_cast<std::size_t>(std::ranges::count_if(some, explains)) >= 9 * some.size();
+using Explains = std::function<bool(const Judged&)>;
+
+std::size_t count_unexplained(const std::vector<Judged>& some, const Explains& explains) {
+    return some.size() - static_cast<std::size_t>(std::ranges::count_if(some, explains));
+}
+
+/// Nine in ten of some answers, of which there is one at least.
+bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
+    return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
 }
 
 /// `1000` for 1000.02: a factor as far as 2^-8 of it is known, and with the name of units where they have it.
@@ -236,26 +241,6 @@ bool is_round(double factor) {
     return factor > 0 && (is_power(2) || is_power(10) || std::ranges::any_of(known_units, [factor](const Units& units) {
                               return is_about(factor, units.factor);
                           }));
-}
-
-/// The one factor by which nine in ten of the wrong answers are off; empty where there is none. Where all true t are
-/// alike any one answer would be, so there it has to be a round one of answers that are not all the same.
-std::string other_units(const std::vector<Judged>& wrong) {
-    std::vector<double> factors, truths, answers;
-    for (const Judged& j : wrong) {
-        if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
-        factors.push_back(j.t / j.true_t);
-        truths.push_back(j.true_t);
-        answers.push_back(j.t);
-    }
-    if (factors.empty() || 10 * factors.size() < 9 * wrong.size()) return "";
-    std::ranges::nth_element(factors, factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2));
-    const double factor = factors[factors.size() / 2];
-    const auto [least, most] = std::ranges::minmax(truths);
-    const auto [lowest, highest] = std::ranges::minmax(answers);
-    if (is_about(least, most) && (lowest == highest || !is_round(factor))) return "";
-    const auto fits = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
-    return explain_most(wrong, fits) ? "t is in other units: it is " + factor_text(factor) : "";
 }
 
 /// How many are wrong in which way, where nothing known explains them.
@@ -280,58 +265,114 @@ std::string ways_of(const std::vector<Judged>& wrong) {
 
 /// The answers that something is said of: of rays that hit or should, or of fewer.
 struct Asked {
-    std::vector<Judged> all, wrong;
-    std::uint64_t right_misses = 0;  ///< beside them
+    std::vector<Judged> all, wrong, right_misses;  ///< what is rightly missed stands beside `all`
+    std::uint64_t more_right_misses = 0;           ///< beside those, known by their number alone
 
+    Asked() = default;
     template <class Belongs>
     Asked(const std::vector<Judged>& rays, const Belongs& belongs) {
-        for (const Judged& j : rays) {
-            right_misses += !j.hit && !j.truly_hits;
-            if (!belongs(j)) continue;
-            all.push_back(j);
-            if (!is_right(j)) wrong.push_back(j);
-        }
+        for (const Judged& j : rays) add(j, belongs(j));
     }
     explicit Asked(const std::vector<Judged>& rays)
         : Asked(rays, [](const Judged& j) { return j.hit || j.truly_hits; }) {}
+
+    void add(const Judged& j, bool belongs = true) {
+        if (!j.hit && !j.truly_hits) return right_misses.push_back(j);
+        if (!belongs) return;
+        all.push_back(j);
+        if (!is_right(j)) wrong.push_back(j);
+    }
+
+    /// Every second of each kind of answer, and the others: what is made from one half is tested on the other.
+    [[nodiscard]] std::array<Asked, 2> halves() const {
+        std::array<Asked, 2> two;
+        std::array<std::size_t, 8> seen{};
+        const auto divide = [&](const std::vector<Judged>& some) {
+            for (const Judged& j : some) {
+                const std::size_t kind = (j.hit ? 1U : 0U) + (j.truly_hits ? 2U : 0U) + (is_right(j) ? 4U : 0U);
+                two[seen[kind]++ % 2].add(j);
+            }
+        };
+        divide(all), divide(right_misses);
+        for (Asked& half : two) half.more_right_misses = more_right_misses / 2;
+        return two;
+    }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
     [[nodiscard]] std::string count(const char* which) const {
         if (all.size() == 1) return fmt::format("wrong on the one ray that {}: ", which);
         return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
     }
+    /// Whether a reason explains nine in ten of the wrong answers; of one that would change right ones too, nine in ten
+    /// of all and of the hits, and what is rightly missed counts against it.
     [[nodiscard]] bool is_explained_by(const Reason& reason) const {
         using About = Reason::About;
-        const auto explained = [&reason](bool hit) {
-            return [&reason, hit](const Judged& j) { return j.hit == hit && reason.explains(j); };
-        };
+        if (!explains_most(wrong, reason.explains)) return false;
+        if (reason.about == About::t || reason.about == About::wrong) return true;
+        std::vector<Judged> hits;
+        std::ranges::copy_if(all, std::back_inserter(hits), [](const Judged& j) { return j.hit; });
         const bool decides = reason.about == About::decisions;
-        if ((reason.by_a_hit || decides) && std::ranges::none_of(wrong, explained(true))) return false;
-        if (decides && (std::ranges::none_of(wrong, explained(false)) || 10 * right_misses > wrong.size()))
-            return false;
-        const bool of_all = decides || reason.about == About::all;
-        return explain_most(wrong, reason.explains) && (!of_all || explain_most(all, reason.explains));
+        const std::size_t unexplained = count_unexplained(all, reason.explains) +
+                                        count_unexplained(right_misses, reason.explains) +
+                                        (decides ? more_right_misses : 0);
+        return 10 * unexplained <= all.size() && explains_most(hits, reason.explains) &&
+               2 * unexplained < unexplained_by_constants(hits, decides);
+    }
+
+private:
+    /// What the better of two leaves open that say the same of every ray: that it is missed, and that it is hit where
+    /// it truly is. A guess that does no better explains nothing.
+    [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<Judged>& hits, bool decides) const {
+        const std::size_t misses = all.size() - hits.size() + right_misses.size() + more_right_misses;
+        const auto is_no_more_than_a_hit = [decides](const Judged& j) {
+            return decides || std::isnan(j.t) || is_right(j);
+        };
+        return std::min(hits.size(), misses + count_unexplained(hits, is_no_more_than_a_hit));
     }
 };
+
+/// The one factor by which nine in ten of the wrong answers are off, made from every second one and tested on the
+/// others; empty where there is none. Where all true t are alike any one answer would be, so there it has to be a round
+/// one of answers that are not all the same.
+std::string other_units(const std::array<Asked, 2>& halves) {
+    std::vector<double> factors, truths, answers;
+    for (const Judged& j : halves[0].wrong) {
+        if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
+        factors.push_back(j.t / j.true_t);
+        truths.push_back(j.true_t);
+        answers.push_back(j.t);
+    }
+    if (factors.empty()) return "";
+    std::ranges::nth_element(factors, factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2));
+    const double factor = factors[factors.size() / 2];
+    const auto [least, most] = std::ranges::minmax(truths);
+    const auto [lowest, highest] = std::ranges::minmax(answers);
+    if (is_about(least, most) && (lowest == highest || !is_round(factor))) return "";
+    const auto fits = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
+    const bool in_both =
+        std::ranges::all_of(halves, [&fits](const Asked& half) { return explains_most(half.wrong, fits); });
+    return in_both ? "t is in other units: it is " + factor_text(factor) : "";
+}
 
 }  // namespace
 
 std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_t more_misses) {
     Asked asked(rays);
-    asked.right_misses += more_misses;
+    asked.more_right_misses = more_misses;
     // Of rays that both hit, where there are enough of them, t alone is asked about.
     const Asked both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
     const bool most_hit = 2 * both.all.size() >= asked.all.size();
     if (!asked.is_mostly_wrong()) return "";
+    const std::array<Asked, 2> halves = asked.halves(), halves_of_both = both.halves();
     for (const Reason& reason : reasons()) {
         const bool about_t = reason.about == Reason::About::t;
         if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
-        const Asked& of = about_t ? both : asked;
-        if (!of.is_explained_by(reason)) continue;
+        const auto explained = [&reason](const Asked& half) { return half.is_explained_by(reason); };
+        if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
         return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
                            reason.words, whose == Whose::file ? reason.to_file : reason.to_library);
     }
-    if (const std::string units = most_hit ? other_units(both.wrong) : ""; !units.empty())
+    if (const std::string units = most_hit ? other_units(halves_of_both) : ""; !units.empty())
         return both.count("hit and should") + units;
     return asked.count("hit or should") + ways_of(asked.wrong) +
            "; no mistake that is known here explains nine in ten of them";

@@ -31,7 +31,9 @@ enum class Whose : std::uint8_t { intersector, file };
 /// What is wrong with answers most of which are: those that are off by more than 2^-8 of t and wrong decisions, where
 /// at least half of all that are not rightly missed are so. What explains nine in ten of them, in words with what to
 /// write; where nothing known does, how many are wrong, and how. Empty where fewer are.
-/// What is about t alone is asked of the rays that hit and should.
+/// What is about t alone is asked of the rays that hit and should. A guess that would change right answers too explains
+/// nine in ten of all hits and of all answers, and leaves less than half of what "always a miss" and "always a hit"
+/// leave. Every guess holds on each of two halves of the rays: what is made from one half is tested on the other.
 ///   a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
 ///   near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or the
 ///   end of the ray in its place, or exchanged with the origin · what lies behind · y and z exchanged · the solid, or

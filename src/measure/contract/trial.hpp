@@ -17,6 +17,8 @@
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/doors/guard.hpp"
 #include "measure/contract/probe.hpp"
+#include "measure/truth/truth.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::contract {
 
@@ -92,6 +94,49 @@ inline Reply ask(const intersect::doors::ForeignForm& form, const Question& ques
     return ask(form, std::span(&question, 1)).front();
 }
 
+/// The ray and the solid of a question, as they are asked.
+inline Ray<double> ray_of(const Question& q) {
+    return {{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
+}
+inline Solid<double> solid_of(const Question& q, Shape shape) {
+    Solid<double> solid(shape);
+    std::copy_n(q.solid.begin(), solid.used().size(), solid.numbers.begin());
+    return solid;
+}
+
+/// A hit with its t, or a miss: what is right, or what the table takes an answer for.
+struct Decided {
+    bool hit = false;
+    double t = 0;
+};
+
+/// The truth about a question as it is asked, by a contract. Directions have unit length where it says so.
+inline Decided truth_by(const intersect::doors::Contract& contract, const Question& asked) {
+    const truth::Truth truth =
+        truth::find_truth(ray_of(asked), solid_of(asked, contract.shape), {},
+                          intersect::doors::info_of(contract).convention(), {.tmin = asked.start, .tmax = asked.end});
+    if (!truth.is_hit()) return {};
+    const truth::Certified& t = contract.direction == intersect::Direction::unit ? truth.distance : truth.t;
+    return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
+}
+
+/// What the table takes a reply for by a contract.
+inline Decided taken_by(const intersect::doors::Contract& contract, const Reply& r, const Question& asked) {
+    const std::array<double, 2> near_far{r.near, r.far};
+    const double end = told_end(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
+    const Hit<double> hit = intersect::doors::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
+    return {hit.hit, hit.t};
+}
+
+inline bool makes_sense(const intersect::doors::Contract& contract) {
+    try {
+        intersect::doors::require_sense(contract, "");
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
 inline bool is_answer(double x, double right) {
     return std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right));
 }
@@ -112,10 +157,8 @@ inline Question along(Shape shape, double from, double direction, double z = 0, 
 
 /// Where the line of a ray enters and leaves its solid; nothing where it does not.
 inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
-    Solid<double> solid(shape);
-    std::copy_n(q.solid.begin(), solid.used().size(), solid.numbers.begin());
-    const Ray<double> ray{{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
-    const auto ends = with_span(ray, solid, [](const auto& span) { return lostbits::ends_of(span); });
+    const auto ends =
+        with_span(ray_of(q), solid_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
@@ -154,6 +197,20 @@ public:
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
     [[nodiscard]] bool says(unsigned flag) const { return (contract.flags & flag) != 0; }
+    [[nodiscard]] bool says_broken() const {
+        return std::ranges::any_of(findings,
+                                   [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
+    }
+    /// The truth by the trial's contract, or by another that was asked the same.
+    [[nodiscard]] Decided truth(const Question& q) const { return truth(q, contract); }
+    [[nodiscard]] Decided truth(const Question& q, const intersect::doors::Contract& by) const {
+        return truth_by(by, from_its_side(q, contract));
+    }
+    /// Whether a reply is the true answer by a contract.
+    [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::doors::Contract& by) const {
+        const Decided right = truth(q, by), taken = taken_by(by, r, q);
+        return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
+    }
 
     const intersect::doors::ForeignForm& form;
     const intersect::doors::Contract& contract;
@@ -174,7 +231,13 @@ void try_facing(Trial& trial);
 /// Of what misses the plainest ray: whether it hits from the other side, which it is told of then.
 bool try_other_side(Trial& trial);
 void try_touching(Trial& trial);
+/// Rays in the plane of what is flat, which cross nothing.
+void try_within(Trial& trial);
 void try_at_origin(Trial& trial);
 void try_close(Trial& trial);
+
+/// Probes that ask what the truth is, of many rays (probe_truth.cpp).
+void try_scale(Trial& trial);
+void try_rays(Trial& trial);
 
 }  // namespace lostbits::measure::contract

@@ -1,0 +1,284 @@
+// What a form answers over sizes, and on many rays at many solids, beside the truth by its contract.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "measure/contract/trial.hpp"
+
+namespace lostbits::measure::contract {
+namespace {
+
+using intersect::Direction;
+
+/// The same numbers on every machine: from -1 to 1.
+class Random {
+public:
+    double operator()() {
+        state_ = state_ * 1664525U + 1013904223U;
+        return static_cast<double>(state_ >> 8) / 0x1p23 - 1;
+    }
+    double between(double low, double high) { return low + (high - low) * ((*this)() + 1) / 2; }
+    Vec<double> vector() { return {(*this)(), (*this)(), (*this)()}; }
+    Vec<double> unit() {
+        for (;;) {
+            const Vec<double> v = vector();
+            if (const double l = length(v); l > 0.125 && l < 1) return (1 / l) * v;
+        }
+    }
+
+private:
+    std::uint32_t state_ = 1;
+};
+
+/// The power of two up to which a size is asked about. Usual code multiplies so many lengths that beyond it numbers
+/// under- or overflow by no fault of an epsilon; the roots of a torus are found by steps and tolerances, whose fineness
+/// is no epsilon either.
+int greatest_power(const intersect::doors::Contract& contract) {
+    const int exponents = contract.bits == 32 ? 112 : 960;
+    switch (contract.shape) {
+        case Shape::torus: return 12;
+        case Shape::cone: return exponents / 10;
+        case Shape::ellipsoid:
+        case Shape::cylinder:
+        case Shape::capsule:
+        case Shape::tube: return exponents / 6;
+        default: return exponents / 4;
+    }
+}
+
+/// Plain rays at a solid of half-width 2·size: straight, off its middle, from inside, past it.
+std::vector<Question> of_size(Shape shape, double size) {
+    std::vector<Question> all{along(shape, -5 * size, 1, 0, 2 * size), along(shape, -8 * size, 1, 0, 2 * size),
+                              along(shape, size, 1, 0, 2 * size), along(shape, -5 * size, 1, 0, 2 * size)};
+    all[1].ray[0] = size / 2, all[1].ray[1] = size / 4;
+    all[3].ray[0] = 16 * size;
+    if (!has_inside(shape)) all.erase(all.begin() + 2);
+    if (shape == Shape::plane) all.pop_back();
+    return all;
+}
+
+/// A shape along an axis, which may lie along x, y or z, or oblique.
+bool has_axis(Shape shape) {
+    return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
+        return key.kind == Key::Kind::direction || key.limit == Key::Limit::apart_from_before;
+    });
+}
+
+/// A solid that lies and is shaped at random, of numbers that floats hold. An upright one has its axis along x, y or z.
+Solid<double> random_solid(Shape shape, bool upright, Random& random) {
+    for (;;) {
+        const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
+        const Vec<double> centre = 4.0 * random.vector();
+        const int turn = static_cast<int>(random.between(0, 2.999));
+        const auto turned = [&turn](const Vec<double>& v) {
+            return Vec<double>(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
+        };
+        Solid<double> solid = solid_around<double>(shape, {0, 0, 0}, half);
+        for_each_key(shape, [&](const Key& key, std::size_t k) {
+            const bool is_length = key.is_length(), is_point = key.kind == Key::Kind::point;
+            const Vec<double> now = is_length ? Vec<double>(0, 0, 0) : solid.point(k);
+            if (!is_length && upright)
+                solid.set_point(k, stretch * turned(now) + (is_point ? centre : Vec<double>(0, 0, 0)));
+            else if (is_point) solid.set_point(k, now + centre + (0.5 * half) * random.vector());
+            else if (!is_length) solid.set_point(k, 2.0 * random.vector());
+            for (const std::size_t end = k + key.count(); k < end; ++k) {
+                double& x = solid.numbers[k];
+                if (key.optional) x = std::max(0.0, random()) * solid.numbers[k - 1];
+                else if (is_length) x *= random.between(0.5, 1.25);
+                x = static_cast<float>(x);
+            }
+        });
+        if (!broken_limit(solid)) return solid;
+    }
+}
+
+Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Solid<double>& solid) {
+    Question q{.ray = {}, .solid = {}};
+    for (int k = 0; k < 3; ++k) {
+        q.ray[static_cast<std::size_t>(k)] = static_cast<float>(origin[k]);
+        q.ray[static_cast<std::size_t>(k) + 3] = static_cast<float>(direction[k]);
+    }
+    std::ranges::copy(solid.used(), q.solid.begin());
+    return q;
+}
+
+double half_extent_of(const Solid<double>& solid) {
+    return std::min(visit(solid, [](const auto& shape) { return shape.half_extent(); }), 4.0);
+}
+
+/// Whether small changes of the ray change the answer by little: then every usual formula gets it right.
+bool is_benign(const Trial& trial, const Question& q, Random& random) {
+    const Decided right = trial.truth(q);
+    const double size = half_extent_of(solid_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
+    if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
+    for (int i = 0; i < 6; ++i) {
+        Question near = q;
+        for (std::size_t k = 0; k < 3; ++k) near.ray[k] += 0x1p-5 * size * random();
+        for (std::size_t k = 3; k < 6; ++k) near.ray[k] += 0x1p-6 * length * random();
+        const Decided there = trial.truth(near);
+        if (there.hit != right.hit || std::fabs(there.t - right.t) * length > size / 4) return false;
+    }
+    return true;
+}
+
+/// A way to aim rays.
+struct Aim {
+    const char* words;
+    Question (*make)(const Solid<double>& solid, Random& random);
+};
+
+Vec<double> point_of(const Solid<double>& solid, Random& random) {
+    const Vec<double> u{random.between(0, 1), random.between(0, 1), random.between(0, 1)};
+    return visit(solid, [&u](const auto& shape) { return shape.point_at(u); });
+}
+Vec<double> middle_of(const Solid<double>& solid) {
+    return visit(solid, [](const auto& shape) { return shape.middle(); });
+}
+
+constexpr Aim aims[]{
+    {"at it",
+     [](const Solid<double>& solid, Random& random) {
+         const Vec<double> d = random.unit();
+         return question_of(point_of(solid, random) - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"at its middle",
+     [](const Solid<double>& solid, Random& random) {
+         const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(solid) * random.vector();
+         return question_of(middle_of(solid) + aside - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"from around its middle",
+     [](const Solid<double>& solid, Random& random) {
+         const Vec<double> m = middle_of(solid), p = point_of(solid, random);
+         const double share = random.between(0, 1);
+         return question_of(m + share * (p - m), random.unit(), solid);
+     }},
+    {"past it",
+     [](const Solid<double>& solid, Random& random) {
+         const Vec<double> m = middle_of(solid), d = random.unit(), p = point_of(solid, random);
+         const Vec<double> at = m + random.between(1, 2.5) * (p - m);
+         return question_of(at - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"away from it",
+     [](const Solid<double>& solid, Random& random) {
+         const Vec<double> d = random.unit();
+         return question_of(point_of(solid, random) + 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"along an axis",
+     [](const Solid<double>& solid, Random& random) {
+         const double half = half_extent_of(solid);
+         Vec<double> d{0, 0, 0}, from = middle_of(solid) + 1.5 * half * random.vector();
+         const int axis = static_cast<int>(random.between(0, 2.999));
+         d[axis] = random() < 0 ? -1 : 1;
+         from[axis] -= 4 * half * d[axis];
+         return question_of(from, d, solid);
+     }},
+};
+
+std::string numbers_text(std::span<const double> numbers) {
+    std::string words;
+    for (const double x : numbers) words += (words.empty() ? "" : ",") + fmt::format("{:.9g}", x);
+    return words;
+}
+
+std::string words_of(const Trial& trial, const Decided& d) {
+    return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
+}
+
+/// The rays of one aim, at solids as they lie in scenes, and at the one whose numbers are 0 and 2.
+std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
+    Random random;
+    std::vector<Question> all;
+    for (int i = 0; i < 320 && all.size() < 96; ++i) {
+        const Solid<double> solid =
+            i % 4 == 0 ? solid_around<double>(trial.shape, {0, 0, 0}, 2) : random_solid(trial.shape, upright, random);
+        Question q = aim.make(solid, random);
+        if (trial.contract.direction == Direction::any && i % 2 == 1)
+            for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
+        if (is_benign(trial, q, random)) all.push_back(q);
+    }
+    return all;
+}
+
+/// How many of some rays are answered wrongly, and the first such.
+struct Wrong {
+    std::size_t asked = 0, wrong = 0;
+    std::string first = {};
+
+    Wrong(const Trial& trial, const std::vector<Question>& questions) : asked(questions.size()) {
+        const std::vector<Reply> replies = ask(trial.form, questions);
+        for (std::size_t i = 0; i < asked; ++i) {
+            const Question q = from_its_side(questions[i], trial.contract);
+            const Decided right = truth_by(trial.contract, q), taken = taken_by(trial.contract, replies[i], q);
+            const double tolerance = 0x1p-5 * half_extent_of(solid_of(q, trial.shape)) / length(ray_of(q).direction);
+            if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
+                continue;
+            if (wrong++ > 0) continue;
+            first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
+                    numbers_text(std::span(q.solid).first(row_of(trial.shape).numbers)) + ": " +
+                    words_of(trial, right) + " is right, it says " + words_of(trial, taken);
+        }
+    }
+    /// Some of the rays have coordinates and directions for which its arithmetic is not enough.
+    [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
+    [[nodiscard]] std::string words(const Aim& aim) const {
+        return std::to_string(wrong) + " of " + std::to_string(asked) + " rays " + aim.words +
+               " are answered wrongly, none of them near an edge; the first: " + first;
+    }
+};
+
+}  // namespace
+
+void try_scale(Trial& trial) {
+    const auto answer_at = [&trial](std::size_t i, double size) {
+        const Question q = of_size(trial.shape, size)[i];
+        const Decided right = trial.truth(q), taken = taken_by(trial.contract, trial.ask(q), q);
+        const bool is_right =
+            right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= 0x1p-8 * size);
+        return std::tuple(is_right, right, taken);
+    };
+    const int most = greatest_power(trial.contract);
+    for (std::size_t i = 0; i < of_size(trial.shape, 1).size(); ++i) {
+        if (!std::get<bool>(answer_at(i, 1))) continue;  // wrong at any size
+        for (int k = 1; k <= most; ++k) {
+            const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, -k));
+            if (!is_right)
+                return trial.broken("where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
+                                    words_of(trial, taken) + " where " + words_of(trial, right) +
+                                    " is right: it seems to compare with a number that is no share of its inputs, an "
+                                    "epsilon; no word says that");
+        }
+        for (int k = 1; k <= most; ++k) {
+            const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, k));
+            if (!is_right)
+                return trial.told("where all lengths are 2^" + std::to_string(k) + " times as large, it answers " +
+                                  words_of(trial, taken) + " where " + words_of(trial, right) +
+                                  " is right: it seems to have a greatest t or size");
+        }
+    }
+    trial.kept("right where all lengths are 2^-" + std::to_string(most) + " to 2^" + std::to_string(most) +
+               " times as large");
+}
+
+void try_rays(Trial& trial) {
+    const std::string plural(row_of(trial.shape).plural);
+    std::size_t asked = 0;
+    for (const bool upright : {true, false}) {
+        if (upright && !has_axis(trial.shape)) continue;
+        for (const Aim& aim : aims) {
+            const std::vector<Question> questions = aimed(trial, aim, upright);
+            if (questions.size() < 24) continue;  // from within what is flat
+            const Wrong found(trial, questions);
+            asked += found.asked;
+            if (found.wrong == 0) continue;
+            const bool oblique = !upright && has_axis(trial.shape);
+            if (found.is_many() && !oblique) return trial.broken(found.words(aim));
+            trial.told(found.words(aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            if (oblique) return;
+        }
+    }
+    trial.kept(std::to_string(asked) + " rays at " + plural + " that lie at random have the right answer");
+}
+
+}  // namespace lostbits::measure::contract
