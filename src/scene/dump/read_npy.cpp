@@ -150,7 +150,7 @@ NpyHeader read_npy_header(std::string_view text, const std::string& where) {
 constexpr std::string_view magic = "\x93NUMPY";
 
 /// The dictionary, and where the numbers begin.
-std::pair<std::string, std::uint64_t> header_text(ByteSource& source) {
+std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
     const auto cut_short = [&]() { throw InputError(source.name() + ": ends inside its header; it was cut short"); };
     std::string start;
     source.read(start, 8);
@@ -224,7 +224,7 @@ std::vector<std::string> names_in(const std::string& columns) {
 
 }  // namespace
 
-Lie read_npy(ByteSource& source, const DumpOptions& options) {
+Lie read_npy(toml::ByteSource& source, const DumpOptions& options) {
     const auto [text, begin] = header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
