@@ -190,25 +190,34 @@ ItemType type_of(const std::string& word, const std::string& name, const std::st
                     file, name.empty() ? "" : "field '" + name + "' ", word));
 }
 
+constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;
+
 /// A field that is an array is several columns: those that its name stands for, or `name_0` and so on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
+    const auto pass = [&](std::uint64_t size, std::uint64_t times) {
+        if (size > most_record_bytes || times > most_record_bytes || size * times > most_record_bytes - offset)
+            throw InputError(fmt::format("{}: its records have more than {} bytes; write the numbers of rays alone",
+                                         file, most_record_bytes));
+        offset += size * times;
+    };
     // Bytes between fields, which numpy writes as fields of no name.
     if (const bool padding = field.type.starts_with("|V"); padding) {
-        offset += std::strtoull(field.type.c_str() + 2, nullptr, 10) * product(field.shape);
-        return;
+        const std::uint64_t each = std::strtoull(field.type.c_str() + 2, nullptr, 10), times = product(field.shape);
+        return pass(each, times);
     }
     const ItemType type = type_of(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
         throw InputError(fmt::format("{}: field '{}' has {} numbers; at most 4096 are read", file, field.name, count));
+    const std::uint64_t begin = offset;
+    pass(type.size, count);
     const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
                                  : parts.empty()     ? fmt::format("{}_{}", field.name, k)
                                                      : parts[static_cast<std::size_t>(k)];
-        columns.push_back({name, type, offset});
-        offset += type.size;
+        columns.push_back({name, type, begin + k * type.size});
     }
 }
 
