@@ -82,7 +82,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
 }
 
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::SweepFile sweep(work.path, work.data);
+    const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
         .rows = work.rows,
@@ -162,7 +162,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
                                                                                            : axes_part(work, stop);
-    part.json["named"] = selection::name_of_sweep(work.path, work.data);
+    part.json["named"] = selection::name_of_sweep(work.path, work.data, {}, stop);
     return part;
 }
 
