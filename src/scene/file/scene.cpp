@@ -43,6 +43,11 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
         table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
+    if (rounded && rounded->key->limit == Key::Limit::off_line_before)
+        table.fail_at(rounded->key->name, "lies on one line with " + std::string((rounded->key - 2)->name) + " and " +
+                                              std::string((rounded->key - 1)->name) +
+                                              " in binary32, to which inputs = \"shared\" rounds, so that no ray meets "
+                                              "the triangle; move it off the line, or write inputs = \"own\"");
     if (rounded && rounded->key->limit == Key::Limit::not_zero)
         table.fail_at(rounded->key->name,
                       "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
