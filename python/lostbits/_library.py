@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 5
+ABI = 6
 
 
 class Error(Exception):
@@ -67,7 +67,7 @@ def _struct(name: str, fields: str, **others: Any) -> Any:
 
 
 ErrorText = _struct("ErrorText", "int code; text", text=c.c_char * 4000)
-Where = _struct("Where", "text data; int width, height; words set")
+Where = _struct("Where", "text data; int width, height; words set; stop", stop=c.POINTER(c.c_ubyte))
 Batch = _struct("Batch", "size size; pointer rays, ends, solids; size solid_stride; pointer near_far, hit, own, starts")
 FormWords = _struct("FormWords", "text name, title, source; int shape, format, direction, roots, touching, at_origin; "
                     "unsigned flags; pointer own; run", run=RunBatch)
@@ -162,12 +162,21 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
 
     `arguments` are those before `run`.
     """
-    stop, error, result = c.c_ubyte(0), ErrorText(), Handle("result")
+    stop, result = c.c_ubyte(0), Handle("result")
     bar = Bar(name.removeprefix("lostbits_")) if progress else None
     run = Run(threads, c.pointer(stop), Progress(bar.advance) if bar else c.cast(0, Progress), None)
+    try:
+        return stoppable_call(name, *arguments, c.byref(run), c.byref(result.pointer), stop=stop), result
+    finally:
+        if bar is not None:
+            bar.close()
+
+
+def stoppable_call(name: str, *arguments: Any, stop: Any) -> int:
+    """A call that takes its time, in a thread of its own: Ctrl-C sets `stop`, which the call asks, and waits for it."""
+    error = ErrorText()
     # Threads that stay: one that is new to the library's scheduler, and goes, costs 4 ms.
-    working = _workers.submit(getattr(library, name), *arguments, c.byref(run), c.byref(result.pointer),
-                              c.byref(error))
+    working = _workers.submit(getattr(library, name), *arguments, c.byref(error))
     try:
         while not working.done():
             wait([working], 0.05)
@@ -175,10 +184,7 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
         stop.value = 1
         wait([working])
         raise
-    finally:
-        if bar is not None:
-            bar.close()
-    return raise_for(working.result(), error), result
+    return raise_for(working.result(), error)
 
 
 class Bar:
