@@ -162,7 +162,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
                                                                                            : axes_part(work, stop);
-    part.json["named"] = selection::name_of_sweep(work.path, work.data, {}, stop);
+    part.json["named"] = selection::name_of_sweep(work.path, work.data);
     return part;
 }
 
