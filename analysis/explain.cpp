@@ -98,7 +98,7 @@ const intersect::table::Intersector* form_for(const intersect::table::Intersecto
 
 /// The rays of a sweep at the step that --at names.
 scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::filesystem::path& file,
-                                 const std::filesystem::path& data) {
+                                 const std::filesystem::path& data, intersect::process::StopToken stop) {
     const auto kind = scene::sweep::sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
@@ -106,7 +106,7 @@ scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::file
                          "scene, and give other ranges by --range NAME=LOW..HIGH");
     const selection::SweepWords changes{ray.size, ray.steps, ray.set};
     selection::check_changes(changes, kind, ray.subject);
-    return {file, data, selection::read_changes(changes)};
+    return {file, data, selection::read_changes(changes), stop};
 }
 
 StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
@@ -138,7 +138,7 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
         !file && !words.at.empty() && std::filesystem::is_regular_file(sweep))
         file = sweep;
     if (file) {
-        const auto sweep = sweep_of(ray, *file, data);
+        const auto sweep = sweep_of(ray, *file, data, common.stop);
         request.form = form_for(*row.form, sweep);
         request.rays = step_of(sweep, words.at);
     } else {

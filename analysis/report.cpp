@@ -148,7 +148,7 @@ struct Work {
 };
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const selection::ChosenRows& chosen) {
+                const selection::ChosenRows& chosen, intersect::process::StopToken stop) {
     std::vector<TestedForm> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
@@ -161,7 +161,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
     else
         fit = selection::rows_meeting(
             chosen, path.stem().string(),
-            [sweep = scene::sweep::SweepFile(path, data)](Shapes forms) { return sweep.meets(forms); });
+            [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.meets(forms); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
@@ -225,7 +225,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     }
     for (const auto& path : subjects.sweeps) {
         auto all = rows_for(path.stem().string(), rows, claims, o.forms.empty());
-        plan_sweep(work, path, data, {all, words_of(o), true});
+        plan_sweep(work, path, data, {all, words_of(o), true}, o.stop);
     }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
     for (const std::string& word : o.choices) {

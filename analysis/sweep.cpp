@@ -74,7 +74,7 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
 
 void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const Common& common = chosen.common;
-    scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o));
+    scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
     sweep.title += chosen.o.in_title();
     measure::sweep::SweepRequest request{
         .sweep = sweep,
@@ -124,7 +124,7 @@ using selection::Meets;
 
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
-                 const std::filesystem::path& data) {
+                 const std::filesystem::path& data, intersect::process::StopToken stop) {
     using K = SweepKind;
     const bool searches = kind == K::search || kind == K::edge_search;
     if (o.worst && !searches)
@@ -137,13 +137,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     selection::check_changes(o, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
-    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
+    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data, stop).solid.shape);
     if (kind == K::edge_search)
-        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set)](Shapes forms) {
+        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set, stop)](Shapes forms) {
             return file.meets(forms);
         };
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o));
+        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
         const char* const why = !sweep.is_drawn()        ? "has the rays of its scene and draws none at random"
                                 : sweep.axes.size() != 1 ? "has two axes, and onsets are found along one"
                                                          : nullptr;
@@ -215,7 +215,7 @@ Exit run(SweepOptions o, const Common& common) {
         if (kind != SweepKind::every_float && o.resume)
             throw InputError("--resume: " + path.stem().string() +
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
-        sweeps.push_back({path, kind, check_file(path, kind, o, data)});
+        sweeps.push_back({path, kind, check_file(path, kind, o, data, common.stop)});
     }
     const auto met = selection::drop_unfitting(
         sweeps, {chosen.rows, o.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
@@ -223,7 +223,7 @@ Exit run(SweepOptions o, const Common& common) {
     selection::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
-        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data), std::back_inserter(files));
+        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data, common.stop), std::back_inserter(files));
     divided = divide(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());

@@ -34,14 +34,14 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSw
     : sweep_(path, chosen.data()),
       path_(path),
       folder_(chosen.folder_of(sweep_.id)),
-      unfinished_(
-          folder_,
-          {.program = program_and_version,
-           .command = chosen.common.typed.of(selection::name_of_sweep(path, chosen.data())),
-           .inputs = hash_of_inputs(
-               selection::files_of(path, scene::sweep::SweepKind::every_float, chosen.o, chosen.data()), chosen.common),
-           .share = chosen.division().share()},
-          "sweep " + sweep_.id),
+      unfinished_(folder_,
+                  {.program = program_and_version,
+                   .command = chosen.common.typed.of(selection::name_of_sweep(path, chosen.data())),
+                   .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float, chosen.o,
+                                                                chosen.data(), chosen.common.stop),
+                                            chosen.common),
+                   .share = chosen.division().share()},
+                  "sweep " + sweep_.id),
       chosen_(chosen) {
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
@@ -159,7 +159,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) 
 }
 
 void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
-    scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set);
+    scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set, chosen.common.stop);
     search.title += chosen.o.in_title();
     measure::edges::EdgeRequest request{
         .search = search,

@@ -174,16 +174,18 @@ inline std::vector<std::string> words_of(const lostbits_words& words, const std:
     return all;
 }
 
+/// The token of a caller's byte. Another thread of another language sets it: what it writes is seen as a flag of ours.
+inline intersect::process::StopToken stop_by(const unsigned char* byte) {
+    static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
+    return byte ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(byte))
+                : intersect::process::StopToken();
+}
+
 /// How a call runs; all of it optional.
 class CallRun {
 public:
     explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
-    [[nodiscard]] intersect::process::StopToken stop() const {
-        // The caller's byte is set by another thread of another language: what it writes is seen as a flag of ours.
-        static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
-        return run_.stop ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(run_.stop))
-                         : intersect::process::StopToken();
-    }
+    [[nodiscard]] intersect::process::StopToken stop() const { return stop_by(run_.stop); }
     /// Adds up what is done of so much, and says so.
     [[nodiscard]] std::function<void(std::uint64_t)> advancing(std::uint64_t of) {
         return [this, of](std::uint64_t more) {

@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 5
+#define LOSTBITS_ABI 6
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -67,6 +67,7 @@ typedef struct lostbits_where {
     const char* data;   /* the folder with scenes/ and sweeps/; NULL: $LOSTBITS_DATA, then ./data, then the program's */
     int width, height;  /* of the picture; 0: the scene's own */
     lostbits_words set; /* changes before the scene is read: "sphere[0].radius=10" */
+    const unsigned char* stop; /* another thread sets it to 1 to end the reading within a second; NULL: nobody does */
 } lostbits_where;
 
 /* A scene file, or the name of one in the data folder (`rtg-fig-7-3-4100-oblique`). `where` may be NULL. */

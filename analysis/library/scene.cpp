@@ -22,7 +22,8 @@ TextFile::~TextFile() { close(file_); }
 namespace {
 
 Scene only_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
-    selection::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set, "set")};
+    selection::SceneChoice choice{
+        .names = {name}, .size = {}, .variant = {}, .set = words_of(where.set, "set"), .stop = stop_by(where.stop)};
     if (where.width != 0 || where.height != 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
     return selection::load_one_scene(choice, data);
@@ -194,11 +195,13 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         require(faces, "faces");
         const std::span<const double> all_vertices = array_of(vertices, vertex_count, "vertices", 3);
         const std::span<const uint32_t> all_faces = array_of(faces, face_count, "faces", 3);
+        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
         scene::triangle::Mesh mesh;
         for (std::size_t i = 0; i < vertex_count; ++i) {
             const double* const v = &all_vertices[3 * i];
-            if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
-                throw InputError("vertex " + std::to_string(i) + " is not three finite numbers");
+            for (int k = 0; k < 3; ++k)
+                if (const auto fault = scene::triangle::fault_of_coordinate(v[k], stored); !fault.empty())
+                    throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
             mesh.vertices.emplace_back(v[0], v[1], v[2]);
         }
         for (std::size_t i = 0; i < face_count; ++i) {

@@ -29,7 +29,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
-    const scene::sweep::SweepFile sweep(path, data);
+    const scene::sweep::SweepFile sweep(path, data, {}, running.stop());
     chosen.keep_those_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> asked = chosen.asked;
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));

@@ -82,7 +82,7 @@ std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& swe
 }
 
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
-    const scene::sweep::SweepFile sweep(work.path, work.data);
+    const scene::sweep::SweepFile sweep(work.path, work.data, {}, stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep,
         .rows = work.rows,

@@ -173,7 +173,7 @@ AskedRay worst_of_sweep(const RayWords& words, TestedForm row, const std::filesy
         throw InputError("--worst: " + words.subject +
                          " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
                          "its tables have the command that explains the worst ray");
-    const scene::sweep::SweepFile sweep(path, data, read_changes(changes));
+    const scene::sweep::SweepFile sweep(path, data, read_changes(changes), words.stop);
     row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
     row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
     return worst_along(sweep, row, words.stop);

@@ -120,14 +120,14 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
 }
 
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,
-                                            const std::filesystem::path& data) {
+                                            const std::filesystem::path& data, intersect::process::StopToken stop) {
     std::vector<std::filesystem::path> files{path};
     if (kind == SweepKind::edge_search)
-        files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set).scene.path);
+        files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set, stop).scene.path);
     if (kind == SweepKind::every_float)
-        if (const auto scene = scene::sweep::ExhaustiveFile(path, data).scene) files.push_back(scene->path);
+        if (const auto scene = scene::sweep::ExhaustiveFile(path, data, stop).scene) files.push_back(scene->path);
     if (kind != SweepKind::axes) return files;
-    const auto scene = scene::sweep::SweepFile(path, data, read_changes(words)).scene_path();
+    const auto scene = scene::sweep::SweepFile(path, data, read_changes(words), stop).scene_path();
     if (!scene.empty()) files.push_back(scene);
     return files;
 }

@@ -30,7 +30,8 @@ scene::sweep::SweepChanges read_changes(const SweepWords& words);
 /// The files that decide what a sweep measures; its scenes are looked up in `data`.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
                                                           scene::sweep::SweepKind kind, const SweepWords& words,
-                                                          const std::filesystem::path& data);
+                                                          const std::filesystem::path& data,
+                                                          intersect::process::StopToken stop);
 
 /// InputError where a word means nothing to a sweep of that kind, with why and what to do instead.
 void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const std::string& name);

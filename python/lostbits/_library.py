@@ -14,7 +14,7 @@ import threading
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 5
+ABI = 6
 
 
 class Error(Exception):
@@ -109,7 +109,7 @@ def _struct(name: str, fields: str, **others: Any) -> Any:
 
 
 ErrorText = _struct("ErrorText", "int code; text", text=c.c_char * 4000)
-Where = _struct("Where", "text data; int width, height; words set")
+Where = _struct("Where", "text data; int width, height; words set; stop", stop=c.POINTER(c.c_ubyte))
 Batch = _struct("Batch", "size size; pointer rays, ends, solids; size solid_stride; pointer near_far, hit, own, starts")
 FormWords = _struct("FormWords", "text name, title, source; int shape, format, direction, roots, touching, at_origin; "
                     "unsigned flags; pointer own; run", run=RunBatch)
@@ -322,11 +322,15 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
     bar = Bar(name.removeprefix("lostbits_")) if progress else None
     run = Run(whole(threads, "threads", 0), c.pointer(stop), Progress(bar.advance) if bar else c.cast(0, Progress), None)
     try:
-        code = _run(getattr(library, name), (*arguments, c.byref(run), c.byref(result.pointer)), ErrorText(), stop)
+        return stoppable_call(name, *arguments, c.byref(run), c.byref(result.pointer), stop=stop), result
     finally:
         if bar is not None:
             bar.close()
-    return code, result
+
+
+def stoppable_call(name: str, *arguments: Any, stop: Any) -> int:
+    """A call that takes its time, in a thread of its own: Ctrl-C sets `stop`, which the call asks, and waits for it."""
+    return _run(getattr(library, name), arguments, ErrorText(), stop)
 
 
 class Bar:

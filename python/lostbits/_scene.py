@@ -83,7 +83,8 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     except (TypeError, ValueError):
         raise lib.InputError(f"scene: size is {size!r}; write width and height, as in size=(48, 48)") from None
     changes = lib.Words(lib.texts(set, "set"), "set")
-    where = c.byref(lib.Where(lib.data_folder(data), width, height, changes))
+    stop = c.c_ubyte(0)
+    where = c.byref(lib.Where(lib.data_folder(data), width, height, changes, c.pointer(stop)))
     plurals = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
     for key in solids:
         word(key, plurals, "a solid's name")
@@ -95,8 +96,8 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
             raise lib.InputError("scene: has a name, and solids or a camera of its own; write one or the other")
         name = os.fspath(name)
         is_text = "\n" in name
-        lib.call("lostbits_scene_text" if is_text else "lostbits_scene_open", lib.in_utf8(name, "name"), where,
-                 c.byref(handle.pointer))
+        lib.stoppable_call("lostbits_scene_text" if is_text else "lostbits_scene_open", lib.in_utf8(name, "name"), where,
+                           c.byref(handle.pointer), stop=stop)
         return Scene(handle, None if is_text else name)
     if camera is None:
         raise lib.InputError("scene: no name and no camera; write camera={\"kind\": \"pinhole\", \"eye\": ..., "

@@ -48,20 +48,42 @@ std::string command_of(const Section& section, const Refused& row) {
 
 using Files = std::map<std::string, std::string>;
 
+std::string with_mesh(const std::string& file) { return scene_text("[[mesh]]\nfile = \"" + file + "\"\n"); }
+
 Files scenes() {
     std::string endless = "schema = \"lostbits-scene/1\"\nx";
     for (int i = 0; i < 60000; ++i) endless += ".a";
-    return {{"mine.toml", good_scene},
-            {"other.toml", good_scene},
-            {"scene.toml", good_scene},
-            {"key.toml", spoilt("look_at", "lookat")},
-            {"negative.toml", spoilt("radius = 1", "radius = -1")},
-            {"book.toml", spoilt("title = \"", "title = \"" + std::string(400, 'x'))},
-            {"deep.toml", endless + " = 1\n"},
-            {"hole.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 9\n"},
-            {"hole.toml", scene_text("[[mesh]]\nfile = \"hole.obj\"\n")},
-            {"boxes.toml",
-             spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
+    return {
+        {"mine.toml", good_scene},
+        {"other.toml", good_scene},
+        {"scene.toml", good_scene},
+        {"key.toml", spoilt("look_at", "lookat")},
+        {"negative.toml", spoilt("radius = 1", "radius = -1")},
+        {"book.toml", spoilt("title = \"", "title = \"" + std::string(400, 'x'))},
+        {"deep.toml", endless + " = 1\n"},
+        {"hole.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 9\n"},
+        {"hole.toml", with_mesh("hole.obj")},
+        {"vast.obj", "v -1e300 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n"},
+        {"vast.toml", with_mesh("vast.obj")},
+        {"frac.ply",
+         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+         "face 1\nproperty list uchar float vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n3 0 1.5 2\n"},
+        {"frac.toml", with_mesh("frac.ply")},
+        {"deep.gltf", std::string(15000, '[')},
+        {"deep.gltf.toml", with_mesh("deep.gltf")},
+        {"nul.obj", std::string("v -1 -1 0\nv 1 -1 0\nv 1 1 0\n\0f 1 2 3\n", 36)},
+        {"nul.toml", with_mesh("nul.obj")},
+        {"cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"},
+        {"cut.toml", with_mesh("cut.stl")},
+        {"outside.gltf",
+         "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}], "
+         "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}], "
+         "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \"buffers\": [{\"byteLength\": 36, \"uri\": "
+         "\"../a.bin\"}]}"},
+        {"outside.toml", with_mesh("outside.gltf")},
+        {"thin.toml", scene_text("[[triangle]]\na = [1, 1, 1]\nb = [2, 2, 2]\nc = [3, 3, \"0x1.8000001p1\"]\n")},
+        {"boxes.toml",
+         spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
 }
 
 Files sweeps() {

@@ -172,7 +172,7 @@ void measure_range(const OfRange& of, truth::TruthLimit limit) {
 
 void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run) {
-    const ExhaustiveFile whole(path, run.data_dir);
+    const ExhaustiveFile whole(path, run.data_dir, run.stop);
     std::vector<OfRange> together;
     for (const auto& asked : claims) {
         const auto& [claim, on, result] = asked;

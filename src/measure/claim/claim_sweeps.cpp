@@ -156,7 +156,7 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
                               "sweep \"" +
                                   called + "\" is none; leave it out");
     }
-    const scene::sweep::SweepFile sweep(path, run.data_dir);
+    const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     std::map<AxesPlace, ClaimsOn<SweepSubject>> together;
     for (const auto& asked : claims)
         together[asked.claim.onset.empty() ? AxesPlace(place_on(asked, sweep)) : std::nullopt].push_back(asked);

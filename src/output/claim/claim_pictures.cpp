@@ -191,7 +191,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
         }
         return text;
     }
-    const scene::sweep::SweepFile sweep(path, run.data_dir);
+    const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
     for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;

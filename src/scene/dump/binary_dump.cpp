@@ -224,7 +224,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
 
 }  // namespace
 
-Lie read_raw(ByteSource& source, const DumpOptions& options) {
+Lie read_raw(toml::ByteSource& source, const DumpOptions& options) {
     if (options.columns.empty())
         throw InputError(source.name() +
                          ": raw numbers say nothing of themselves; name them and their types with "

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
-#include "scene/dump/byte_source.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/dump/item_type.hpp"
+#include "scene/toml/byte_source.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -27,16 +27,16 @@ struct Lie {
     std::optional<std::pair<int, int>> picture = {};
     std::string blamed = {};  ///< who is wrong where the columns are none of rays
 };
-using ReadLie = Lie (*)(ByteSource& source, const DumpOptions& options);
+using ReadLie = Lie (*)(toml::ByteSource& source, const DumpOptions& options);
 
 /// Without a header: `--columns` says what they are, `ox:f32,oy,oz,…`; a column without a type has that of the one
 /// before it.
-Lie read_raw(ByteSource& source, const DumpOptions& options);
+Lie read_raw(toml::ByteSource& source, const DumpOptions& options);
 
 /// An array of numpy, plain or of records with named fields, versions 1 to 3. The last axis of a plain array is the
 /// columns, which `--columns` names; the axes before it, or all axes of an array of records, are rays, and two of them
 /// are a picture of so many rows and columns.
-Lie read_npy(ByteSource& source, const DumpOptions& options);
+Lie read_npy(toml::ByteSource& source, const DumpOptions& options);
 
 class BinaryDump final : public Dump {
 public:
@@ -57,7 +57,7 @@ private:
     void refuse_reversed(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
-    ByteSource source_;
+    toml::ByteSource source_;
     Lie lie_;
     std::optional<Layout> layout_;
     std::optional<std::uint64_t> records_;

@@ -195,11 +195,12 @@ Chunk CsvDump::decode(const Records& records) const {
     std::string_view rest = records.bytes;
     std::uint64_t number = records.line;
     while (!rest.empty()) {
-        std::size_t end = std::min(rest.find('\n'), rest.size() - 1) + 1;
-        // A line break inside quotes belongs to the cell.
-        while (end < rest.size() &&
-               (std::count(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(end), '"') & 1) != 0)
-            end = std::min(rest.find('\n', end), rest.size() - 1) + 1;
+        std::size_t end = 0, quotes = 0;
+        do {  // a line break inside quotes belongs to the cell
+            const std::size_t begin = end;
+            end = std::min(rest.find('\n', begin), rest.size() - 1) + 1;
+            quotes += static_cast<std::size_t>(std::ranges::count(rest.substr(begin, end - begin), '"'));
+        } while (end < rest.size() && quotes % 2 != 0);
         const std::string_view line = line_in(rest.substr(0, end));
         if (!is_blank(line)) decode_line(line, number, writer, chunk);
         number += 1 + static_cast<std::uint64_t>(std::ranges::count(line, '\n'));

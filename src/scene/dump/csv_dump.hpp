@@ -1,9 +1,9 @@
 // Rays as CSV: a header, then a record a line; RFC 4180 as other programs write it too.
 #pragma once
 
-#include "scene/dump/byte_source.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/dump/number_words.hpp"
+#include "scene/toml/byte_source.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -27,7 +27,7 @@ private:
     [[nodiscard]] std::string put(std::string_view word, std::size_t slot, ChunkWriter& writer) const;
     [[nodiscard]] std::string place(std::uint64_t line, std::size_t column) const;
 
-    ByteSource source_;
+    toml::ByteSource source_;
     std::optional<Layout> layout_;
     std::optional<NumberWords> words_;
     std::string buffer_;

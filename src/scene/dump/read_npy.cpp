@@ -150,7 +150,7 @@ NpyHeader read_npy_header(std::string_view text, const std::string& where) {
 constexpr std::string_view magic = "\x93NUMPY";
 
 /// The dictionary, and where the numbers begin.
-std::pair<std::string, std::uint64_t> header_text(ByteSource& source) {
+std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
     const auto cut_short = [&]() { throw InputError(source.name() + ": ends inside its header; it was cut short"); };
     std::string start;
     source.read(start, 8);
@@ -190,25 +190,34 @@ ItemType type_of(const std::string& word, const std::string& name, const std::st
                     file, name.empty() ? "" : "field '" + name + "' ", word));
 }
 
+constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;
+
 /// A field that is an array is several columns: those that its name stands for, or `name_0` and so on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
+    const auto pass = [&](std::uint64_t size, std::uint64_t times) {
+        if (size > most_record_bytes || times > most_record_bytes || size * times > most_record_bytes - offset)
+            throw InputError(fmt::format("{}: its records have more than {} bytes; write the numbers of rays alone",
+                                         file, most_record_bytes));
+        offset += size * times;
+    };
     // Bytes between fields, which numpy writes as fields of no name.
     if (const bool padding = field.type.starts_with("|V"); padding) {
-        offset += std::strtoull(field.type.c_str() + 2, nullptr, 10) * product(field.shape);
-        return;
+        const std::uint64_t each = std::strtoull(field.type.c_str() + 2, nullptr, 10), times = product(field.shape);
+        return pass(each, times);
     }
     const ItemType type = type_of(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
         throw InputError(fmt::format("{}: field '{}' has {} numbers; at most 4096 are read", file, field.name, count));
+    const std::uint64_t begin = offset;
+    pass(type.size, count);
     const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
                                  : parts.empty()     ? fmt::format("{}_{}", field.name, k)
                                                      : parts[static_cast<std::size_t>(k)];
-        columns.push_back({name, type, offset});
-        offset += type.size;
+        columns.push_back({name, type, begin + k * type.size});
     }
 }
 
@@ -224,7 +233,7 @@ std::vector<std::string> names_in(const std::string& columns) {
 
 }  // namespace
 
-Lie read_npy(ByteSource& source, const DumpOptions& options) {
+Lie read_npy(toml::ByteSource& source, const DumpOptions& options) {
     const auto [text, begin] = header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);

@@ -44,6 +44,11 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
         table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
+    if (rounded && rounded->key->limit == Key::Limit::off_line_before)
+        table.fail_at(rounded->key->name, "lies on one line with " + std::string((rounded->key - 2)->name) + " and " +
+                                              std::string((rounded->key - 1)->name) +
+                                              " in binary32, to which inputs = \"shared\" rounds, so that no ray meets "
+                                              "the triangle; move it off the line, or write inputs = \"own\"");
     if (rounded && rounded->key->limit == Key::Limit::not_zero)
         table.fail_at(rounded->key->name,
                       "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
@@ -121,7 +126,8 @@ Override size_override(const std::pair<int, int>& size) {
 
 }  // namespace
 
-SceneFile::SceneFile(const std::filesystem::path& path) : path_(path), root_(toml::read_toml(path)) {
+SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::StopToken stop)
+    : path_(path), root_(toml::read_toml(path, stop)) {
     TableReader file(root_);
     toml::require_schema(file, schema);
     for (TableReader& table : file.tables("variant")) {
@@ -200,11 +206,12 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
+    const triangle::MeshTerms terms{options.stop, scene.inputs == Inputs::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
         if (const auto placed = read_transform(table, numbers))
             scene.mesh_placed = transformed(*placed, [](const Real& x) { return x.convert_to<double>(); });
-        meshes.push_back(triangle::read_mesh_table(table, path_.parent_path()));
+        meshes.push_back(triangle::read_mesh_table(table, path_.parent_path(), terms));
         if (scene.mesh_placed && meshes.size() > 1)
             table.fail_at(
                 "transform",
@@ -267,7 +274,7 @@ bool Scene::meets(Shapes forms) const {
 }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
-    return SceneFile(path).load(options);
+    return SceneFile(path, options.stop).load(options);
 }
 
 std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir) {

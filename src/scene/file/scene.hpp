@@ -102,13 +102,13 @@ struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
     std::vector<toml::Override> overrides = {};              ///< applied after the variant's own, in order
-    intersect::process::StopToken stop = {};                 ///< of the flake
+    intersect::process::StopToken stop = {};                 ///< of the file, the flake and meshes
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.
 class SceneFile {
 public:
-    explicit SceneFile(const std::filesystem::path& path);
+    explicit SceneFile(const std::filesystem::path& path, intersect::process::StopToken stop = {});
 
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] std::vector<std::string> variants() const;
@@ -130,7 +130,7 @@ private:
     std::vector<Variant> variants_;
 };
 
-/// `SceneFile(path).load(options)`.
+/// `SceneFile(path, options.stop).load(options)`.
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// All `data_dir/scenes/*.toml`, sorted by name. InputError when the folder is missing.

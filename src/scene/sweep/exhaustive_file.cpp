@@ -160,20 +160,22 @@ void ExhaustiveFile::read_solid(TableReader& file) {
     table.reject_unknown_keys();
 }
 
-void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& data_dir) {
+void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& data_dir,
+                                intersect::process::StopToken stop) {
     for (const ShapeRow& row : shape_rows)
         file.reject(row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
-    scene = read_mesh_scene(file, data_dir);
+    scene = read_mesh_scene(file, data_dir, stop);
     mesh = rays::shared_mesh(*scene);
     solid = Solid<float>(triangle::Mesh::shape);
 }
 
-ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) {
-    const Node root = toml::read_toml(path);
+ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+                               intersect::process::StopToken stop) {
+    const Node root = toml::read_toml(path, stop);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);
-    if (file.has("scene")) read_scene(file, data_dir);
+    if (file.has("scene")) read_scene(file, data_dir, stop);
     else read_solid(file);
     for (TableReader& table : file.tables("ray")) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};

@@ -23,7 +23,8 @@ namespace lostbits::scene::sweep {
 class ExhaustiveFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
-    ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
+    ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+                   intersect::process::StopToken stop = {});
 
     /// All forms are judged as if touching were this; absent: each by its own word.
     std::optional<intersect::Touching> convention;
@@ -62,7 +63,7 @@ public:
 
 private:
     void read_solid(toml::TableReader& file);
-    void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir);
+    void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir, intersect::process::StopToken stop);
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);

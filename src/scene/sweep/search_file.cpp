@@ -98,12 +98,12 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
 }
 
 EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-                               const std::vector<toml::Override>& set) {
+                               const std::vector<toml::Override>& set, intersect::process::StopToken stop) {
     const toml::Node root = read_changed(path, "edge_search.", set);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("edge_search");
-    scene = read_mesh_scene(table, data_dir);
+    scene = read_mesh_scene(table, data_dir, stop);
     if (triangle::shared_edges(*scene.mesh).empty())
         table.fail_at("scene", "has a mesh of which no two triangles share an edge; name another");
     if (table.has("distance")) distance = read_range(table, "distance");

@@ -70,7 +70,7 @@ public:
     /// InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`. `set`
     /// changes keys of the table first: `rays`, `seed`.
     EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-                   const std::vector<toml::Override>& set = {});
+                   const std::vector<toml::Override>& set = {}, intersect::process::StopToken stop = {});
 
     /// Whose triangles they are: meshes alone, shared by all formats. Its camera plays no part.
     file::Scene scene;

@@ -143,8 +143,8 @@ double Axis::middle(double a, double b) const {
 }
 
 SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-                     const SweepChanges& changes)
-    : root_(toml::read_toml(path)) {
+                     const SweepChanges& changes, intersect::process::StopToken stop)
+    : root_(toml::read_toml(path, stop)), stop_(stop) {
     change(changes);
     TableReader file(root_);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
@@ -225,7 +225,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     const FamilyRow* const family = family_of(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);
-        scene_.emplace(name.path);
+        scene_.emplace(name.path, stop_);
         variant_ = name.variant;
         if (!variant_ && scene_->variants().size() > 1)
             file.fail_at("scene",
@@ -282,6 +282,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     file::LoadOptions options;
     options.variant = variant_;
     options.size = size_;
+    options.stop = stop_;
     options.overrides = changes_;
     options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();

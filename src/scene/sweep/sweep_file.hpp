@@ -43,7 +43,7 @@ public:
     /// InputError with a position for anything that is not a sweep, and for a change that means nothing to this one. A
     /// scene is looked up in `data_dir`.
     SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-              const SweepChanges& changes = {});
+              const SweepChanges& changes = {}, intersect::process::StopToken stop = {});
 
     std::vector<Axis> axes;  ///< one or two
     std::optional<intersect::Touching>
@@ -93,7 +93,8 @@ private:
     std::vector<Shape> shapes_;
     bool is_placed_ = false;  ///< whether solids stand under matrices
     bool marches_ = false, has_mesh_ = false;
-    std::uint64_t further_ = 0;  ///< added to the seed of the family
+    intersect::process::StopToken stop_;  ///< of the scene, which each step reads anew
+    std::uint64_t further_ = 0;           ///< added to the seed of the family
 };
 
 /// Whether a file says that it is a sweep, of whatever kind. InputError where it cannot be read.

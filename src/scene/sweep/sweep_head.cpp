@@ -63,9 +63,10 @@ file::SceneName find_scene_of(const toml::TableReader& table, const std::string&
     }
 }
 
-file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir) {
+file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir,
+                            intersect::process::StopToken stop) {
     const file::SceneName name = find_scene_of(table, table.string("scene"), data_dir);
-    const auto scenes = file::load_scene(name.path, {.variant = name.variant});
+    const auto scenes = file::load_scene(name.path, {.variant = name.variant, .stop = stop});
     const file::Scene& scene = scenes.front();
     if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
     if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())

@@ -48,6 +48,7 @@ file::SceneName find_scene_of(const toml::TableReader& table, const std::string&
 
 /// That of the key `scene`, looked up in `data_dir`. InputError with a position where it has variants and none is
 /// named, and where it has anything but meshes whose vertices stand where they are, the same in every format.
-file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir);
+file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir,
+                            intersect::process::StopToken stop);
 
 }  // namespace lostbits::scene::sweep

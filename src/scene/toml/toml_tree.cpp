@@ -1,16 +1,12 @@
 #include "scene/toml/toml_tree.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <utility>
 
 #include <toml++/toml.h>
 
+#include "scene/toml/byte_source.hpp"
 #include "scene/toml/did_you_mean.hpp"
-#include "scene/toml/files_of_run.hpp"
 #include "scene/toml/parse_number.hpp"
 
 namespace lostbits::scene::toml {
@@ -68,11 +64,7 @@ private:
 
     [[nodiscard]] std::string digits_at(const Where& where) const {
         const std::string_view line = lines_.at(static_cast<std::size_t>(where.line) - 1);
-        std::size_t byte = 0;  // columns count characters: the continuation bytes of UTF-8 are not counted
-        for (int column = 1; byte < line.size(); ++byte) {
-            if ((line[byte] & 0xc0) == 0x80) continue;
-            if (column++ == where.column) break;
-        }
+        std::size_t byte = byte_of(where, line);
         constexpr std::string_view of_numbers = "0123456789+-._eEinfa";
         std::string digits;
         for (; byte < line.size() && of_numbers.find(line[byte]) != std::string_view::npos; ++byte)
@@ -80,8 +72,23 @@ private:
         return digits;
     }
 
+    /// Columns count characters: the bytes that go on with one in UTF-8 are not counted. A million numbers may stand in
+    /// one line, so the line that was asked about last is counted once.
+    [[nodiscard]] std::size_t byte_of(const Where& where, std::string_view line) const {
+        if (where.line != counted_line_) {
+            counted_line_ = where.line;
+            begins_.clear();
+            for (std::uint32_t byte = 0; byte < line.size(); ++byte)
+                if ((line[byte] & 0xc0) != 0x80) begins_.push_back(byte);
+        }
+        const auto column = static_cast<std::size_t>(where.column) - 1;
+        return column < begins_.size() ? begins_[column] : line.size();
+    }
+
     std::string source_;
     std::vector<std::string_view> lines_;
+    mutable int counted_line_ = 0;
+    mutable std::vector<std::uint32_t> begins_;  ///< of the characters of that line
 };
 
 Node parse(std::string_view text, const std::string& source) {
@@ -178,22 +185,13 @@ void reject_endless_keys(const std::string& text, const std::string& source) {
 
 }  // namespace
 
-Node read_toml(const std::filesystem::path& path) {
+Node read_toml(const std::filesystem::path& path, intersect::process::StopToken stop) {
     const Where start{path.string(), 1, 1}, unread{path.string(), 0, 0};
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) fail(unread, "is a folder; name a .toml file in it");
-    note_read(path);
-    std::ifstream file(path, std::ios::binary);
-    if (!file)
-        fail(unread, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");
-
+    ByteSource file(path, stop);
     std::string text;
-    std::array<char, 65536> chunk;
-    while (file && text.size() <= most_bytes) {
-        file.read(chunk.data(), chunk.size());
-        text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
-    }
-    if (file.bad()) fail(start, "could not be read to its end; check the disk");
+    file.read(text, most_bytes + 1);
     if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
     reject_endless_keys(text, start.source);
     return parse(text, start.source);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
 
@@ -55,8 +56,9 @@ struct Node::Entry {
     Node value;
 };
 
-/// Parses a file. InputError with a position when it is missing, a folder, unreadable, over 16 MiB or no TOML.
-Node read_toml(const std::filesystem::path& path);
+/// Parses a file. InputError with a position when it is missing, a folder, over 16 MiB or no TOML,
+/// EnvironmentError when it is not readable, Interrupted when the work is asked to end, also while a pipe has no bytes.
+Node read_toml(const std::filesystem::path& path, intersect::process::StopToken stop = {});
 
 /// A change to a tree before anything interprets it: variants, `--set` and sweep axes are all lists of these.
 struct Override {

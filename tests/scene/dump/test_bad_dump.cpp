@@ -1,4 +1,6 @@
 // Every way in which a file of rays can be wrong: the place, and what to try.
+#include <fmt/format.h>
+
 #include "catch.hpp"
 #include "scene/dump/dump_writer.hpp"
 
@@ -18,6 +20,14 @@ struct BadFile {
     std::string place, remedy;  ///< how the message begins, and part of it
     DumpOptions options = {};
 };
+
+/// An array of rays, behind whose numbers each record has so many bytes of no meaning.
+std::string padded_npy(const std::string& type) {
+    std::string fields;
+    for (const char* name : {"ox", "oy", "oz", "dx", "dy", "dz"}) fields += fmt::format("('{}', '<f4'), ", name);
+    return as_npy("{'descr': [" + fields + "('', '" + type + "')], 'fortran_order': False, 'shape': (1,), }",
+                  std::string(24, 'a'));
+}
 
 const BadFile bad_files[] = {
     {"a.csv", "", "a.csv:1:1:", "names of its columns"},
@@ -99,6 +109,10 @@ const BadFile bad_files[] = {
      "cut short",
      {.columns = "ox,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
     {"a.npy", as_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
+    // Sizes that leave 64 bits: the offsets of the columns would lie beyond the record.
+    {"a.npy", padded_npy("|V18446744073709551596"), "a.npy: its records have more than 1048576 bytes", "alone"},
+    {"a.npy", padded_npy("|V4294967296', (4294967296, 1)), ('y', '|V4"), "a.npy: its records have more", "alone"},
+    {"a.npy", padded_npy("|V2000000"), "a.npy: its records have more than 1048576 bytes", "alone"},
 };
 
 }  // namespace
@@ -111,6 +125,14 @@ TEST_CASE("a bad file of rays is refused with its place and a remedy") {
         CHECK(has(fault, bad.remedy));
     }
     CHECK(fault_of("a.csv", head + good).empty());
+}
+
+TEST_CASE("a cell of many lines is read in a time that goes with its bytes") {
+    // Half a million lines in one cell: counting its quotes anew at each of them takes a minute.
+    const std::string many(500'000, '\n');
+    CHECK(fault_of("a.csv", "note," + head + "\"" + many + "\"," + good).empty());
+    const std::string after = "note," + head + "\"" + many + "\"," + good + "x\n";
+    CHECK(fault_of("a.csv", after).starts_with("a.csv:500003:1:"));
 }
 
 }  // namespace test_bad_dump

@@ -1,167 +1,14 @@
 // Files of meshes: vertices arrive with the bits of the file, and what is no mesh is told by its place.
-#include <cmath>
-#include <cstring>
-
-#include <fmt/format.h>
-
 #include "catch.hpp"
 #include "counts.hpp"
-#include "number/random.hpp"
-#include "scene/scene_text.hpp"
+#include "scene/file/mesh_text.hpp"
 #include "shapes/triangle/mesh/made.hpp"
-#include "shapes/triangle/mesh/mesh_file.hpp"
 
 namespace test_mesh_file {
 
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::test;
-using scene::triangle::Mesh;
-using scene::triangle::read_mesh_file;
-
-namespace {
-
-template <class T>
-void append(std::string& to, T x, bool turned = false) {
-    char raw[sizeof x];
-    std::memcpy(raw, &x, sizeof x);
-    if (turned) std::reverse(std::begin(raw), std::end(raw));
-    to.append(raw, sizeof x);
-}
-
-std::string as_obj(const Mesh& mesh) {
-    std::string text = "# an object\no ball\n";
-    for (const auto& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x, v.y, v.z);
-    for (const auto& [a, b, c] : mesh.faces)
-        text += fmt::format("f {}/1/1 {}//2 {}\n", a + 1, b + 1,
-                            static_cast<long>(c) - static_cast<long>(mesh.vertices.size()));
-    return text;
-}
-
-std::string ply_header(const char* format, const char* type, const Mesh& mesh) {
-    return fmt::format(
-        "ply\nformat {} 1.0\ncomment made by a test\nelement vertex {}\nproperty uchar red\nproperty {} x\nproperty {} "
-        "y\n"
-        "property {} z\nelement face {}\nproperty list uchar uint vertex_indices\nelement edge 1\nproperty int "
-        "vertex1\n"
-        "end_header\n",
-        format, mesh.vertices.size(), type, type, type, mesh.faces.size());
-}
-
-template <class T>
-std::string as_ply_text(const Mesh& mesh) {
-    std::string text = ply_header("ascii", sizeof(T) == 4 ? "float" : "double", mesh);
-    for (const auto& v : mesh.vertices)
-        text += fmt::format("255 {} {} {}\n", static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-    for (const auto& [a, b, c] : mesh.faces) text += fmt::format("3 {} {} {}\n", a, b, c);
-    return text + "7\n";
-}
-
-template <class T>
-std::string as_ply_bytes(const Mesh& mesh, bool big) {
-    std::string all =
-        ply_header(big ? "binary_big_endian" : "binary_little_endian", sizeof(T) == 4 ? "float32" : "float64", mesh);
-    for (const auto& v : mesh.vertices) {
-        all += '\x7f';
-        for (int k = 0; k < 3; ++k) append(all, static_cast<T>(v[k]), big);
-    }
-    for (const auto& face : mesh.faces) {
-        all += '\3';
-        for (const std::uint32_t corner : face) append(all, corner, big);
-    }
-    append(all, std::int32_t{7}, big);
-    return all;
-}
-
-std::string as_stl_bytes(const Mesh& mesh) {
-    std::string all = "solid, says the head of this binary file";
-    all.resize(80, ' ');
-    append(all, static_cast<std::uint32_t>(mesh.faces.size()));
-    for (const auto& face : mesh.faces) {
-        for (int k = 0; k < 3; ++k) append(all, 0.0f);
-        for (const std::uint32_t corner : face)
-            for (int k = 0; k < 3; ++k) append(all, static_cast<float>(mesh.vertices[corner][k]));
-        all += std::string(2, '\0');
-    }
-    return all;
-}
-
-std::string as_stl_text(const Mesh& mesh) {
-    std::string text = "solid ball\n";
-    for (const auto& face : mesh.faces) {
-        text += "  facet normal 0 0 0\n    outer loop\n";
-        for (const std::uint32_t corner : face) {
-            const auto& v = mesh.vertices[corner];
-            text += fmt::format("      vertex {} {} {}\n", v.x, v.y, v.z);
-        }
-        text += "    endloop\n  endfacet\n";
-    }
-    return text + "endsolid ball\n";
-}
-
-/// The JSON of a mesh whose buffer begins with the places (uint32), then has the vertices; `buffer` says where it is.
-std::string as_gltf(const Mesh& mesh, const std::string& buffer, const std::string& node = "") {
-    const std::size_t places = 12 * mesh.faces.size(), vertices = 12 * mesh.vertices.size();
-    return fmt::format(
-        R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0{}}}],
-            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 1}}, "indices": 0}}]}}],
-            "accessors": [{{"bufferView": 0, "componentType": 5125, "count": {}, "type": "SCALAR"}},
-                          {{"bufferView": 1, "componentType": 5126, "count": {}, "type": "VEC3"}}],
-            "bufferViews": [{{"buffer": 0, "byteLength": {}}}, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}}],
-            "buffers": [{{"byteLength": {}{}}}]}})",
-        node, 3 * mesh.faces.size(), mesh.vertices.size(), places, places, vertices, places + vertices, buffer);
-}
-std::string buffer_of_gltf(const Mesh& mesh) {
-    std::string bytes;
-    for (const auto& face : mesh.faces)
-        for (const std::uint32_t corner : face) append(bytes, corner);
-    for (const auto& v : mesh.vertices)
-        for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(v[k]));
-    return bytes;
-}
-std::string as_glb(const Mesh& mesh) {
-    std::string json = as_gltf(mesh, ""), buffer = buffer_of_gltf(mesh), all = "glTF";
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    append(all, std::uint32_t{2});
-    append(all, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
-    append(all, static_cast<std::uint32_t>(json.size()));
-    all += "JSON" + json;
-    append(all, static_cast<std::uint32_t>(buffer.size()));
-    return all + std::string("BIN\0", 4) + buffer;
-}
-
-/// A fan of triangles whose corners are random numbers of any exponent that a cross product of floats survives.
-Mesh random_mesh(bool of_binary32) {
-    lostbits::test::Random random(11);
-    Mesh mesh;
-    for (std::uint32_t i = 0; i < 33000; ++i) {
-        Vec<double> v;
-        for (int k = 0; k < 3; ++k) {
-            v[k] = random.sign() * std::ldexp(1 + random.unit(), static_cast<int>(random.between(-30, 30)));
-            if (of_binary32) v[k] = static_cast<float>(v[k]);
-        }
-        mesh.vertices.push_back(v);
-        if (i >= 2) mesh.faces.push_back({i - 2, i - 1, i});
-    }
-    return mesh;
-}
-
-bool are_same(const Mesh& a, const Mesh& b) {
-    if (a.faces.size() != b.faces.size()) return false;
-    for (std::size_t f = 0; f < a.faces.size(); ++f) {
-        const auto x = a.triangle(f), y = b.triangle(f);
-        if (x.a != y.a || x.b != y.b || x.c != y.c) return false;
-    }
-    return true;
-}
-
-std::string error_of_file(const std::string& name, const std::string& bytes) {
-    const Scratch folder;
-    const auto path = folder.write(name, bytes);
-    return error_in(folder, [&] { read_mesh_file(path); });
-}
-
-}  // namespace
 
 TEST_CASE("vertices arrive with the bits of the file", "[mesh]") {
     const Scratch folder;
@@ -212,54 +59,148 @@ TEST_CASE("a polygon is a fan around its first corner, and a face on a line is n
 TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(error_of_file("a.obj", three + "f 1 2 4\n") ==
-          "a.obj:4: names vertex 4, and 3 stand above; vertices count from 1, and a face follows its vertices");
+          "a.obj:4:7: names vertex 4, and 3 stand above; vertices count from 1, and a face follows its vertices");
     CHECK(error_of_file("a.obj", three + "f 0 1 2\n") ==
-          "a.obj:4: names vertex 0; vertices count from 1, and -1 is the last one");
-    CHECK(error_of_file("a.obj", three + "f 1 2\n") == "a.obj:4: is a face of fewer than 3 corners");
-    CHECK(error_of_file("a.obj", three + "f 1 2 x\n") == "a.obj:4: the corner \"x\" is not the number of a vertex");
-    CHECK(error_of_file("a.obj", "v 0 nan 0\n") == "a.obj:1: y is \"nan\"; a vertex has finite numbers");
-    CHECK(error_of_file("a.obj", "v 0 1e999 0\n") == "a.obj:1: y is \"1e999\", which overflows");
-    CHECK(error_of_file("a.obj", "v 0 0\n") == "a.obj:1: ends before z");
+          "a.obj:4:3: names vertex 0; vertices count from 1, and -1 is the last one");
+    CHECK(error_of_file("a.obj", three + " f 1 2\n") == "a.obj:4:2: is a face of fewer than 3 corners");
+    CHECK(error_of_file("a.obj", three + "f 1 2 x\n") == "a.obj:4:7: the corner \"x\" is not the number of a vertex");
+    CHECK(error_of_file("a.obj", "v 0 nan 0\n") ==
+          "a.obj:1:5: y is \"nan\", which is not finite; a vertex has finite numbers");
+    CHECK(error_of_file("a.obj", "v 0 1e999 0\n") == "a.obj:1:5: y is \"1e999\", which overflows");
+    CHECK(error_of_file("a.obj", "v 0 +-1 0\n") == "a.obj:1:5: y is \"+-1\", which is not a number");
+    CHECK(error_of_file("a.obj", "v 0 0\n") == "a.obj:1:6: ends before z");
+    CHECK(error_of_file("a.obj", "# \u00e9\nv \u00e9 0 0\n") == "a.obj:2:3: x is \"\u00e9\", which is not a number");
     CHECK(error_of_file("a.obj", three) == "a.obj: has no faces; a mesh has at least one triangle");
     CHECK(error_of_file("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").starts_with("a.obj: all of its faces lie on"));
     CHECK(error_of_file("a.obj", std::string(2 << 20, 'x')) ==
-          "a.obj:1: is longer than 1 MB; a mesh has a vertex or a face a line");
+          "a.obj:1:1: is longer than 1 MB; a mesh has a vertex or a face a line");
     CHECK(error_of_file("a.fbx", "") ==
           "a.fbx: the kind of a mesh is told by the end of its name; it ends in .obj, .ply, .stl, .gltf or .glb");
-    CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1: is not a PLY: its first line is not ply");
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
     const std::string stl = as_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
-    CHECK(has(error_of_file("a.stl", "x" + stl.substr(1, 500)), "was it cut short?"));
-    CHECK(has(error_of_file("a.ply", ply.substr(0, 500)), "ends before all elements are there"));
+    CHECK(error_of_file("a.stl", "x" + stl.substr(1, 500)) ==
+          "a.stl: byte 80: is not an STL: it does not begin with the word solid, and with 20 facets it would have 1084 "
+          "bytes and not 501; was it cut short?");
+    CHECK(error_of_file("a.ply", ply.substr(0, 500)) ==
+          "a.ply: byte 499: ends before all elements are there; was it cut short?");
+    CHECK(error_of_file("a.ply", ply.substr(0, 300)) ==
+          "a.ply: byte 256: ends before the 12 elements of vertex, which take at least 156 bytes; was it cut short?");
     const std::string other_order = replaced(ply, "little", "big");
     CHECK(has(error_of_file("a.ply", other_order), "is the order of bytes the one that format says?"));
 }
 
-TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused", "[mesh]") {
-    const Scratch folder;
-    const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
-    const std::string buffer = R"(, "uri": "a.bin")", bytes = buffer_of_gltf(ball);
-    const auto error_with = [&](const std::string& json, const std::string& bin) {
-        folder.write("a.bin", bin);
-        const auto path = folder.write("a.gltf", json);
-        return error_in(folder, [&] { read_mesh_file(path); });
+TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
+    const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = three + "f 1 2 3\n";
+    CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) == "a.obj:5:1: has a byte 0; is it text?");
+    CHECK(error_of_file("a.obj", face + std::string("f 1 3\0 2\n", 9)) == "a.obj:5:6: has a byte 0; is it text?");
+    CHECK(error_of_file("a.obj", face + "# a\rf 1 3 2\n") ==
+          "a.obj:5:4: has a carriage return inside of the line; write line feeds");
+    CHECK(error_of_file("a.obj", face + "\xEF\xBB\xBF"
+                                        "f 1 3 2\n")
+              .starts_with("a.obj:5:1: "));
+    CHECK(has(error_of_file("a.obj", face + "F 1 3 2\n"), "a.obj:5:1: \"F\" begins no line of an OBJ"));
+    CHECK(error_of_file("a.obj", "\xEF\xBB\xBF# a mesh\r\n" + face + "usemtl red\nvn 0 0 1\n\n#comment\n") ==
+          "no error");
+
+    const auto stl = [](const std::string& facets) { return error_of_file("a.stl", "solid a\n" + facets); };
+    const std::string corners = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n",
+                      facet = corners + "endloop\nendfacet\n";
+    CHECK(stl(facet + "endsolid a\n") == "no error");
+    CHECK(stl(facet) == "a.stl:8:1: ends before endsolid; was it cut short?");
+    CHECK(stl(facet + corners) == "a.stl:13:1: ends inside of a facet; was it cut short?");
+    CHECK(stl(facet + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\n") ==
+          "a.stl:11:1: ends inside of a facet; was it cut short?");
+    CHECK(stl(corners + "facet normal 0 0 1\n") == "a.stl:7:1: stands inside of a facet, which endfacet ends");
+    CHECK(stl(facet + "vertex 0 0 0\n") == "a.stl:9:1: stands in a solid, outside of its facets");
+    CHECK(stl(facet + "verte 0 0 0\n") == "a.stl:9:1: \"verte\" begins no line of an STL; is it one?");
+
+    const auto ply = [](const std::string& header, const std::string& body) {
+        return error_of_file("a.ply", "ply\nformat ascii 1.0\n" + header + "end_header\n" + body);
     };
-    CHECK(error_with(as_gltf(ball, buffer), bytes) == "no error");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "translation": [0, 0, 0])"), bytes) == "no error");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "name": "ball", "translation": [0, 0, 1e-9])"), bytes) ==
-          "a.gltf: node 0 (ball) is moved by a transform, which would round its vertices; apply transforms before you "
-          "export");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "children": [0])"), bytes) == "a.gltf: node 0 stands in itself");
-    CHECK(error_with(as_gltf(ball, buffer), bytes.substr(0, 100)).starts_with("a.gltf: is not read: "));
-    std::string wrong = bytes;
-    wrong[3] = '\x7f';
-    CHECK(error_with(as_gltf(ball, buffer), wrong).starts_with("a.gltf: face 0 names vertex "));
-    CHECK(error_with(replaced(as_gltf(ball, buffer), "5126", "5120"), bytes) ==
-          "a.gltf: has vertices that are not three floats");
-    CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes),
-              "was it cut short?"));
-    CHECK(error_with("{", bytes).starts_with("a.gltf: is not read: "));
+    const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n",
+                      faces = "element face 1\nproperty list uchar float vertex_indices\n",
+                      all = "0 0 0\n1 0 0\n0 1 0\n";
+    CHECK(ply(vertices + faces, all + "3 0 1 2\n") == "no error");
+    CHECK(ply(vertices + faces, all + "3 0 1.5 2\n") ==
+          "a.ply:13:5: names vertex 1.5 of 3; vertices are whole numbers, and count from 0");
+    CHECK(ply(vertices + faces, all + "3 0 nan 2\n").starts_with("a.ply:13:5: names vertex nan of 3"));
+    CHECK(ply(vertices + faces, all + "3 0 1e30 2\n")
+              .starts_with("a.ply:13:5: names vertex 1.0000000150474662e+30 of 3"));
+    CHECK(ply(vertices + replaced(faces, "uchar", "float"), all + "2.5 0 1 2\n") ==
+          "a.ply:13:1: the length of vertex_indices is 2.5; a whole number up to a million is read");
+    CHECK(ply(vertices + faces, all + "3 0 1 2 1\n") == "a.ply:13:9: follows the last property of its element");
+    CHECK(ply(vertices + faces, all + "3 0 1 2\n\n3 0 2 1\n") ==
+          "a.ply:15:1: follows the last element that the header names");
+    CHECK(ply(vertices + "elemnt face 1\n", all).starts_with("a.ply:7:1: \"elemnt\" begins no line of a header"));
+    CHECK(ply(vertices + vertices, all).starts_with("a.ply:7:9: a second element \"vertex\""));
+    CHECK(ply(vertices + "property float x\n", all).starts_with("a.ply:7:16: a second property \"x\""));
+    CHECK(ply(vertices + faces + "property list uchar int vertex_index\n", all)
+              .starts_with("a.ply:9:25: a second list of the corners"));
+    CHECK(error_of_file("a.ply", "ply\n" + vertices + faces + "end_header\n" + all + "3 0 1 2\n")
+              .starts_with("a.ply:8:1: the header has no line format"));
+    CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1:1: is not a PLY: its first line is not ply");
+    const std::string bytes = as_ply_bytes<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1), false);
+    CHECK(has(error_of_file("a.ply", bytes + "abc"), ": 3 bytes follow the last element that the header names"));
+}
+
+TEST_CASE("a byte order mark is not a part of the text behind it", "[mesh]") {
+    const Scratch folder;
+    const Mesh ball = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
+    const std::string mark = "\xEF\xBB\xBF";
+    folder.write("ball.bin", buffer_of_gltf(ball));
+    for (const auto& [name, text] :
+         {std::pair{"a.obj", as_obj(ball)}, std::pair{"a.ply", as_ply_text<double>(ball)},
+          std::pair{"a.stl", as_stl_text(ball)}, std::pair{"a.gltf", as_gltf(ball, R"(, "uri": "ball.bin")")}}) {
+        INFO(name);
+        const Mesh plain = read_mesh_file(folder.write(name, text));
+        CHECK(are_same(read_mesh_file(folder.write(std::string("marked-") + name, mark + text)), plain));
+    }
+}
+
+TEST_CASE("a number too small for its type is rounded as any other", "[mesh]") {
+    const Scratch folder;
+    const auto first_of = [&](const std::string& number) {
+        return read_mesh_file(folder.write("a.obj", "v 7 7 " + number + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+            .triangle(0)
+            .a.z;
+    };
+    CHECK(first_of("1e-400") == 0);
+    CHECK(std::signbit(first_of("-1e-400")));
+    CHECK(first_of("+1e-400") == 0);
+    CHECK(first_of("2.4703282292062328e-324") == 0x1p-1074);  // above half of it
+    CHECK(first_of("2.4703282292062327e-324") == 0);
+    CHECK(first_of("1e-310") == 1e-310);
+    CHECK(first_of("0." + std::string(400, '0') + "1") == 0);
+    std::string text = as_ply_text<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
+    text = replaced(text, "255 0 ", "255 1e-60 ");
+    CHECK(error_of_file("a.ply", text) == "no error");
+    CHECK(has(error_of_file("a.ply", replaced(text, "1e-60", "1e60")), "x is \"1e60\", which overflows"));
+}
+
+TEST_CASE("a vertex that the scene cannot hold is refused at its place", "[mesh]") {
+    const Scratch folder;
+    Mesh vast = scene::triangle::make_fan(4, {0, 0, 0}, 1);
+    vast.vertices[2].y = 0x1.ffffffp127;  // half an ulp above the largest: binary32 rounds it to infinity
+    const auto error_with = [&](const FloatFormat& stored, const std::string& name, const std::string& bytes) {
+        const auto path = folder.write(name, bytes);
+        return error_in(folder, [&] { read_mesh_file(path, {.stop = {}, .stored = stored}); });
+    };
+    const std::string says =
+        "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = "
+        "\"own\"";
+    CHECK(error_with(binary64, "a.obj", as_obj(vast)) == "no error");
+    CHECK(has(error_with(binary32, "a.obj", as_obj(vast)), says));
+    CHECK(
+        error_with(binary32, "a.obj", as_obj(vast)).starts_with("a.obj:5:5: y is \"3.4028235677973366e+38\", which "));
+    CHECK(has(error_with(binary32, "a.ply", as_ply_text<double>(vast)), says));
+    CHECK(has(error_with(binary32, "a.ply", as_ply_bytes<double>(vast, true)), says));
+    CHECK(has(error_with(binary32, "a.stl", as_stl_text(vast)), says));
+    vast.vertices[2].y = 0x1.fffffep127;
+    for (const auto& [name, bytes] :
+         {std::pair{"a.obj", as_obj(vast)}, std::pair{"a.ply", as_ply_bytes<double>(vast, true)},
+          std::pair{"a.stl", as_stl_text(vast)}})
+        CHECK(error_with(binary32, name, bytes) == "no error");
 }
 
 TEST_CASE("files that are cut or have other bits are read or refused", "[mesh]") {

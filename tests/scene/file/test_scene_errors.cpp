@@ -105,6 +105,15 @@ TEST_CASE("a triangle has an area") {
     CHECK(
         read("[0.1, 0.2, 0.3]") ==
         "scene.toml:16:5: triangle[0].c is on one line with a and b; a triangle has an area, so move one of the three");
+    // 2^-30 beside 1 is gone in binary32, and what is left is a line.
+    const std::string thin = "[[triangle]]\na = [1, 1, 1]\nb = [2, 2, 2]\nc = [3, 3, \"0x1.8000001p1\"]\n";
+    const std::string ball = "[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n";
+    CHECK(broken(ball, thin) ==
+          "scene.toml:16:5: triangle[0].c lies on one line with a and b in binary32, to which inputs = \"shared\" "
+          "rounds, so that no ray meets the triangle; move it off the line, or write inputs = \"own\"");
+    const Scratch folder;
+    const auto own = folder.write("own.toml", replaced(replaced(good_scene, ball, thin), "shared", "own"));
+    CHECK(error_of([&] { load_scene(own); }) == "no error");
     const std::string sphere = "[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n";
     const auto cylinder = [&](const std::string& top) {
         return broken(sphere, "[[cylinder]]\nbase = [1, 0, 0]\ntop = [" + top + ", 0, 0]\nradius = 1\n");

@@ -1,4 +1,14 @@
 // TOML as values with their places; errors that say what to try.
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -46,11 +56,56 @@ constexpr std::pair<std::string_view, Fruit> fruit[] = {{"apple", Fruit::apple},
 TEST_CASE("a file that cannot be read says why") {
     const Scratch folder;
     CHECK(error_in(folder, [&] { read_toml(folder.path() / "none.toml"); }) ==
-          "none.toml: cannot be read: No such file or directory; check the path and its permissions");
+          "none.toml: there is no such file; look at its name and the folder you are in");
     CHECK(error_of([&] { read_toml(folder.path()); }) ==
           folder.path().string() + ": is a folder; name a .toml file in it");
     const fs::path large = folder.write("large.toml", std::string((16u << 20) + 1, '\n'));
     CHECK(error_in(folder, [&] { read_toml(large); }).starts_with("large.toml:1:1: is larger than 16 MiB"));
+}
+
+TEST_CASE("many numbers in one line are read in a time that goes with their bytes") {
+    // Two hundred thousand: counting the characters in front of each takes a minute.
+    std::string text = "x = [0.5";
+    for (int i = 0; i < 200'000; ++i) text += i % 1000 == 0 ? ", 1.25" : ", 1.5";
+    const Scratch folder;
+    const Node file = read_toml(folder.write("t.toml", "# \u00e9\n" + text + ", 2.75] # \u00e9\n"));
+    const Node& x = *file.find("x");
+    REQUIRE(x.items.size() == 200'002);
+    CHECK(x.items[1].text == "1.25");
+    CHECK(x.items[2].text == "1.5");
+    CHECK(x.items.back().text == "2.75");
+    const Node mixed = read_toml(folder.write("u.toml", "a = { \"\u00e9\" = 0.125, \"b\u00e9\" = 0.25, c = 0.5 }\n"));
+    CHECK(mixed.find("a")->find("c")->text == "0.5");
+    CHECK(mixed.find("a")->find("b\u00e9")->text == "0.25");
+}
+
+TEST_CASE("a pipe that stays silent is left where the work is asked to end") {
+    const Scratch folder;
+    const auto path = (folder / "p.toml").string();
+    REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+    std::atomic<bool> asked{true};
+    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(asked)), Interrupted);
+    asked = false;
+    const int writer = ::open(path.c_str(), O_RDWR);  // opened for both it waits for nobody
+    const std::string text = "a = 1\n";
+    REQUIRE(::write(writer, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+    // The signal comes while the reader waits for more: it wakes up, and the token says why.
+    struct sigaction action {
+    }, before{};
+    action.sa_handler = [](int) {};
+    sigaction(SIGUSR1, &action, &before);
+    std::atomic<bool> over{false};
+    const pthread_t reader = ::pthread_self();
+    std::thread knocks([&] {
+        for (int unread = 1; unread > 0; std::this_thread::yield()) ::ioctl(writer, FIONREAD, &unread);
+        asked = true;
+        for (; !over; std::this_thread::sleep_for(std::chrono::milliseconds(5))) ::pthread_kill(reader, SIGUSR1);
+    });
+    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(asked)), Interrupted);
+    over = true;
+    knocks.join();
+    sigaction(SIGUSR1, &before, nullptr);
+    ::close(writer);
 }
 
 TEST_CASE("a syntax error carries its place") {

@@ -1,179 +1,325 @@
-// tinygltf finds the bytes; the vertices are the binary32 that lie there.
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#include <tiny_gltf.h>
-
-#include <algorithm>
+// glTF 2.0: its JSON says where the bytes lie; the vertices are the binary32 that lie there.
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
+#include <map>
+#include <set>
 #include <utility>
 
-#include "number/error.hpp"
+#include "scene/toml/counted.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "shapes/triangle/mesh/gltf_json.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 
 namespace lostbits::scene::triangle {
 
 namespace {
 
+using nlohmann::json;
+
 static_assert(std::endian::native == std::endian::little, "glTF is little endian, and its numbers are copied");
 
-bool is_identity(const tinygltf::Node& node) {
-    const auto is_one_of = [](const std::vector<double>& given, std::vector<double> stays) {
-        return given.empty() || given == stays;
-    };
-    return is_one_of(node.matrix, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}) &&
-           is_one_of(node.translation, {0, 0, 0}) && is_one_of(node.rotation, {0, 0, 0, 1}) &&
-           is_one_of(node.scale, {1, 1, 1});
-}
+constexpr std::uint64_t most_text = std::uint64_t{1} << 29;  // a larger mesh has its buffers beside it, or is a .glb
 
-/// Whether the library may read it: of a folder it would ask how long it is, and believe the answer.
-bool is_file(const std::string& path, void*) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(path, ignored);
-}
-
-/// The meshes of one file. Places are counted by the library as int, −1 where there is none.
+/// The meshes of one file. Buffers are read when a primitive needs them, once each, and so are vertices: primitives
+/// that share an accessor share its vertices.
 class GltfModel {
 public:
-    explicit GltfModel(const std::filesystem::path& path) : path_(path) {
-        tinygltf::TinyGLTF loader;
-        loader.SetFsCallbacks(
-            {is_file, tinygltf::ExpandFilePath, tinygltf::ReadWholeFile, tinygltf::WriteWholeFile, nullptr});
-        loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
-                                 void*) { return true; },
-                              nullptr);
-        std::string errors, warnings;
-        const bool loaded = path.extension() == ".glb"
-                                ? loader.LoadBinaryFromFile(&model_, &errors, &warnings, path.string())
-                                : loader.LoadASCIIFromFile(&model_, &errors, &warnings, path.string());
-        if (!loaded) fail("is not read: " + errors.substr(0, errors.find_last_not_of('\n') + 1));
+    GltfModel(MeshBytes& bytes, const MeshTerms& terms) : file_(bytes.name()), terms_(terms) {
+        const bool is_binary = bytes.look(4) == "glTF";
+        const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(whole_text(bytes), std::uint64_t{0});
+        json_ = parse_gltf_json(file_, text, begin, terms.stop);
+        top_ = {&json_, "", &file_};
+        if (!json_.is_object()) top_.fail("is not an object, and a glTF is one");
+        const std::string version = top_.at("asset").at("version").text();
+        if (!version.starts_with("2."))
+            top_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + ", and 2.0 is read");
+        for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
+            sections_[key] = top_.elements(key);
+        buffers_.resize(sections_["buffers"].size());
     }
 
     MeshInFile read() {
-        if (model_.scenes.empty()) {
-            for (const tinygltf::Mesh& mesh : model_.meshes) add(mesh);
-        } else {
-            const auto scene = static_cast<std::size_t>(std::max(model_.defaultScene, 0));
-            for (const int node : at(model_.scenes, static_cast<int>(scene), "scene").nodes) visit(node, 0);
+        const auto scenes = top_.elements("scenes");
+        if (scenes.empty()) {
+            for (const GltfValue& mesh : sections_["meshes"]) add(mesh);
+            return std::move(found_);
         }
+        const std::uint64_t scene = top_.whole("scene", 0);
+        if (scene >= scenes.size()) top_.fail(fmt::format("names scene {}, and has {}", scene, scenes.size()));
+        visit(scenes[scene].elements("nodes"));
         return std::move(found_);
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const { throw InputError(path_.string() + ": " + what); }
-    template <class T>
-    [[nodiscard]] const T& at(const std::vector<T>& all, int place, const std::string& what) const {
-        if (place < 0 || static_cast<std::size_t>(place) >= all.size())
-            fail("names " + what + " " + std::to_string(place) + ", and has " + std::to_string(all.size()));
-        return all[static_cast<std::size_t>(place)];
+    std::string whole_text(MeshBytes& bytes) const {
+        if (bytes.size() > most_text)
+            throw InputError(file_ + ": is larger than 512 MiB; write its buffers to a .bin beside it, or a .glb");
+        return std::string(bytes.take(bytes.size()));
+    }
+    /// The JSON of a binary, and its place; the bytes behind it are kept.
+    std::pair<std::string, std::uint64_t> json_of_glb(MeshBytes& bytes) {
+        const auto fail = [&](std::uint64_t byte, const std::string& what) {
+            throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, what));
+        };
+        const auto next_word = [&] {
+            const std::uint64_t place = bytes.place();
+            const std::string_view raw = bytes.take(4);
+            if (raw.size() < 4) fail(place, "ends inside of a head");
+            std::uint32_t word;
+            std::memcpy(&word, raw.data(), 4);
+            return word;
+        };
+        const auto next_chunk = [&](std::uint32_t kind, const char* what) {
+            const std::uint64_t place = bytes.place();
+            const std::uint32_t size = next_word();
+            if (next_word() != kind) throw InputError(fmt::format("{}: byte {}: is not {}", file_, place + 4, what));
+            if (size > bytes.left()) fail(place, fmt::format("names {} bytes, and {} follow", size, bytes.left()));
+            return size;
+        };
+        next_word();
+        if (const std::uint32_t version = next_word(); version != 2)
+            throw InputError(fmt::format("{}: byte 4: is of version {}, and 2 is read", file_, version));
+        if (const std::uint32_t size = next_word(); size != bytes.size())
+            fail(8, fmt::format("names {} bytes, and the file has {}", size, bytes.size()));
+        const std::uint32_t size = next_chunk(0x4e4f534a, "a chunk of JSON");
+        if (size > most_text) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
+        const std::uint64_t begin = bytes.place();
+        std::string text(bytes.take(size));
+        if (bytes.left() > 0) own_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
+        return {std::move(text), begin};
     }
 
-    void visit(int place, int depth) {
-        constexpr int deepest = 1000;
-        const tinygltf::Node& node = at(model_.nodes, place, "node");
-        if (depth > deepest) fail("node " + std::to_string(place) + " stands in itself");
-        if (!is_identity(node))
-            fail("node " + std::to_string(place) + " (" + node.name.substr(0, 40) +
-                 ") is moved by a transform, which would round its vertices; apply transforms before you export");
-        if (node.mesh >= 0) add(at(model_.meshes, node.mesh, "mesh"));
-        for (const int child : node.children) visit(child, depth + 1);
+    /// The element of a section that a number names.
+    [[nodiscard]] const GltfValue& element(const GltfValue& number, const char* section, const char* what) {
+        const std::uint64_t place = number.whole();
+        const std::vector<GltfValue>& all = sections_[section];
+        if (place >= all.size()) number.fail(fmt::format("names {} {}, and the file has {}", what, place, all.size()));
+        return all[place];
     }
 
-    void add(const tinygltf::Mesh& mesh) {
-        for (const tinygltf::Primitive& part : mesh.primitives) {
-            if (part.mode != TINYGLTF_MODE_TRIANGLES && part.mode != -1)
-                fail("mesh " + mesh.name.substr(0, 40) + " is not made of triangles: its mode is " +
-                     std::to_string(part.mode) + ", and 4 is read");
-            if (!part.extensions.empty()) fail("uses " + part.extensions.begin()->first + ", which is not read");
-            const auto position = part.attributes.find("POSITION");
-            if (position == part.attributes.end()) continue;
-            const std::size_t first = found_.mesh.vertices.size();
-            add_vertices(at(model_.accessors, position->second, "accessor"));
-            add_faces(part.indices, first);
+    /// Nodes are trees: each is visited once, however the file links them.
+    void visit(std::vector<GltfValue> numbers) {
+        std::vector<bool> visited(sections_["nodes"].size());
+        std::ranges::reverse(numbers);
+        while (!numbers.empty()) {
+            terms_.stop.check();
+            const GltfValue number = std::move(numbers.back());
+            numbers.pop_back();
+            const GltfValue& node = element(number, "nodes", "node");
+            if (visited[number.whole()])
+                number.fail(
+                    fmt::format("names node {} again; nodes are trees, and each stands in one place", number.whole()));
+            visited[number.whole()] = true;
+            require_unmoved(node);
+            if (node.has("mesh")) add(element(node.at("mesh"), "meshes", "mesh"));
+            auto children = node.elements("children");
+            numbers.insert(numbers.end(), std::move_iterator(children.rbegin()), std::move_iterator(children.rend()));
         }
     }
 
-    /// Element i of an accessor begins at first + i·step, and all of them lie in the buffer.
+    static void require_unmoved(const GltfValue& node) {
+        static const std::pair<const char*, json> stays[] = {
+            {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+            {"translation", {0, 0, 0}},
+            {"rotation", {0, 0, 0, 1}},
+            {"scale", {1, 1, 1}}};
+        for (const auto& [key, identity] : stays)
+            if (node.has(key) && *node.at(key).json_value != identity)
+                node.at(key).fail(
+                    (node.has("name") ? "moves " + toml::quoted_excerpt(node.at("name").text()) : "moves a mesh") +
+                    ", which would round its vertices; apply transforms before you export");
+    }
+
+    void add(const GltfValue& mesh) {
+        constexpr std::uint64_t triangles = 4;
+        for (const GltfValue& part : mesh.elements("primitives")) {
+            if (const std::uint64_t mode = part.whole("mode", triangles); mode != triangles)
+                part.at("mode").fail(fmt::format("is {}, and 4, triangles, is read", mode));
+            if (part.has("extensions") && !part.at("extensions").json_value->empty())
+                part.at("extensions")
+                    .fail("are not read: " + toml::excerpt(part.at("extensions").json_value->begin().key()));
+            if (!part.has("attributes") || !part.at("attributes").has("POSITION")) continue;
+            const Vertices vertices = vertices_of(part.at("attributes").at("POSITION"));
+            add_faces(part, vertices);
+        }
+    }
+
+    /// Element i of an accessor begins at byte i·step, and all of them lie in the buffer.
     struct Elements {
-        const unsigned char* first;
+        const char* first;
         std::size_t step, count;
+        std::uint64_t place;  ///< of the first, in the buffer
+
+        template <class T, std::size_t n>
+        [[nodiscard]] std::array<T, n> at(std::size_t i) const {
+            std::array<T, n> numbers;
+            std::memcpy(numbers.data(), first + i * step, sizeof numbers);
+            return numbers;
+        }
     };
-    [[nodiscard]] Elements elements_of(const tinygltf::Accessor& accessor, std::size_t size) const {
-        if (accessor.sparse.isSparse) fail("has sparse vertices, which are not read");
-        const tinygltf::BufferView& view = at(model_.bufferViews, accessor.bufferView, "buffer view");
-        const tinygltf::Buffer& buffer = at(model_.buffers, view.buffer, "buffer");
-        const std::size_t step = view.byteStride != 0 ? view.byteStride : size, bytes = buffer.data.size();
-        const std::size_t begin = view.byteOffset + accessor.byteOffset;
-        if (view.byteOffset > bytes || accessor.byteOffset > bytes || begin > bytes || step < size ||
-            (accessor.count > 0 && (size > bytes - begin || (accessor.count - 1) > (bytes - begin - size) / step)))
-            fail("has a buffer of " + std::to_string(bytes) +
-                 " bytes, which ends before its numbers; was it cut short?");
-        return {buffer.data.data() + begin, step, accessor.count};
+    [[nodiscard]] Elements elements_of(const GltfValue& accessor, std::size_t size) {
+        if (accessor.has("sparse")) accessor.at("sparse").fail("is not read");
+        const GltfValue& view = element(accessor.at("bufferView"), "bufferViews", "buffer view");
+        const std::string& bytes = buffer(view.at("buffer"));
+        const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole(),
+                            offset = accessor.whole("byteOffset", 0), count = accessor.at("count").whole(),
+                            step = view.whole("byteStride", size);
+        if (begin > bytes.size() || length > bytes.size() - begin)
+            view.fail(fmt::format("ends behind its buffer, which has {} bytes; was it cut short?", bytes.size()));
+        if (step < size) view.at("byteStride").fail(fmt::format("is {}, and an element has {} bytes", step, size));
+        if (offset > length || (count > 0 && (size > length - offset || count - 1 > (length - offset - size) / step)))
+            accessor.fail(fmt::format(
+                "has {} elements, which end behind its buffer view of {} bytes; was it cut short?", count, length));
+        return {bytes.data() + begin + offset, step, count, begin + offset};
     }
 
-    void add_vertices(const tinygltf::Accessor& accessor) {
-        if (accessor.type != TINYGLTF_TYPE_VEC3 || accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
-            fail("has vertices that are not three floats");
+    /// Those of an accessor, among all.
+    struct Vertices {
+        std::size_t first, count;
+    };
+    Vertices vertices_of(const GltfValue& number) {
+        const GltfValue& accessor = element(number, "accessors", "accessor");
+        const auto [known, is_new] = vertices_.try_emplace(number.whole());
+        if (!is_new) return known->second;
+        constexpr std::uint64_t floats = 5126;
+        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
+            accessor.fail("is not three floats a vertex");
         const Elements all = elements_of(accessor, 12);
-        if (all.count > most_vertices - found_.mesh.vertices.size()) fail("has more than 2^32 - 1 vertices");
+        std::vector<Vec<double>>& vertices = found_.mesh.vertices;
+        require_room(accessor, vertices.size(), all.count, "vertices");
+        known->second = {vertices.size(), all.count};
         for (std::size_t i = 0; i < all.count; ++i) {
-            float p[3];
-            std::memcpy(p, all.first + i * all.step, sizeof p);
+            terms_.stop.check();
+            const auto p = all.at<float, 3>(i);
             for (const float x : p)
-                if (!std::isfinite(x)) fail("vertex " + std::to_string(i) + " is not finite");
-            found_.mesh.vertices.emplace_back(p[0], p[1], p[2]);
+                if (const auto fault = fault_of_coordinate(x, terms_.stored); !fault.empty())
+                    accessor.fail(
+                        fmt::format("vertex {}, at byte {} of its buffer, {}", i, all.place + i * all.step, fault));
+            vertices.emplace_back(p[0], p[1], p[2]);
         }
+        return known->second;
     }
 
-    void add_faces(int indices, std::size_t first) {
-        const std::size_t vertices = found_.mesh.vertices.size() - first;
-        std::vector<std::uint32_t> places(vertices);
-        for (std::size_t i = 0; i < vertices; ++i) places[i] = static_cast<std::uint32_t>(i);
-        if (indices >= 0) places = places_in(at(model_.accessors, indices, "accessor"));
-        if (places.size() % 3 != 0) fail("has " + std::to_string(places.size()) + " corners; three make a triangle");
-        std::vector<std::uint32_t> corners(3);
-        for (std::size_t i = 0; i < places.size(); i += 3) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                if (places[i + k] >= vertices)
-                    fail("face " + std::to_string(i / 3) + " names vertex " + std::to_string(places[i + k]) + " of " +
-                         std::to_string(vertices) + "; vertices count from 0");
-                corners[k] = static_cast<std::uint32_t>(first + places[i + k]);
-            }
-            found_.add(corners, found_.mesh.faces.size());
-        }
+    /// A vertex takes twelve bytes of a buffer and a triangle three, but where accessors overlap or are named again. So
+    /// no more are taken than there are bytes: memory is a multiple of the files'.
+    void require_room(const GltfValue& value, std::size_t taken, std::size_t more, const char* what) const {
+        if (more > most_faces || taken > most_faces - more)
+            value.fail(fmt::format("makes more than 2^31 - 1 {}", what));
+        if (taken + more > bytes_read_)
+            value.fail(
+                fmt::format("makes more {} than the buffers of the file have bytes; its primitives name the same "
+                            "numbers again and again",
+                            what));
     }
 
-    [[nodiscard]] std::vector<std::uint32_t> places_in(const tinygltf::Accessor& accessor) const {
-        switch (accessor.componentType) {
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return copied<std::uint8_t>(accessor);
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return copied<std::uint16_t>(accessor);
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return copied<std::uint32_t>(accessor);
-            default: fail("has corners that are not whole numbers");
+    void add_faces(const GltfValue& part, const Vertices& vertices) {
+        if (!part.has("indices")) {
+            add_faces(part, vertices, vertices.count, [](std::size_t i) { return i; });
+            return;
+        }
+        const GltfValue& accessor = element(part.at("indices"), "accessors", "accessor");
+        if (accessor.at("type").text() != "SCALAR") accessor.fail("is not one number a corner");
+        switch (accessor.at("componentType").whole()) {
+            case 5121: return add_indexed<std::uint8_t>(accessor, vertices);
+            case 5123: return add_indexed<std::uint16_t>(accessor, vertices);
+            case 5125: return add_indexed<std::uint32_t>(accessor, vertices);
+            default: accessor.at("componentType").fail("is not one of whole numbers from 0 on, 5121, 5123 or 5125");
         }
     }
     template <class T>
-    [[nodiscard]] std::vector<std::uint32_t> copied(const tinygltf::Accessor& accessor) const {
+    void add_indexed(const GltfValue& accessor, const Vertices& vertices) {
         const Elements all = elements_of(accessor, sizeof(T));
-        std::vector<std::uint32_t> places(all.count);
-        for (std::size_t i = 0; i < all.count; ++i) {
-            T place;
-            std::memcpy(&place, all.first + i * all.step, sizeof place);
-            places[i] = place;
+        add_faces(accessor, vertices, all.count, [&](std::size_t i) { return std::size_t{all.at<T, 1>(i)[0]}; });
+    }
+    template <class At>
+    void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const At& at) {
+        if (corners % 3 != 0) value.fail("has " + toml::counted(corners, "corner") + "; three make a triangle");
+        require_room(value, found_.mesh.faces.size(), corners / 3, "triangles");
+        for (std::size_t i = 0; i < corners; i += 3) {
+            terms_.stop.check();
+            std::array<std::uint32_t, 3> face;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t corner = at(i + k);
+                if (corner >= vertices.count)
+                    value.fail(fmt::format("face {} names vertex {} of {}; vertices count from 0", i / 3, corner,
+                                           vertices.count));
+                face[k] = static_cast<std::uint32_t>(vertices.first + corner);
+            }
+            found_.add(face, found_.mesh.faces.size());
         }
-        return places;
     }
 
-    const std::filesystem::path& path_;
-    tinygltf::Model model_;
+    /// The bytes of a buffer, read where they are wanted first.
+    const std::string& buffer(const GltfValue& number) {
+        const GltfValue& value = element(number, "buffers", "buffer");
+        std::optional<std::string>& bytes = buffers_[number.whole()];
+        if (bytes) return *bytes;
+        const std::uint64_t length = value.at("byteLength").whole();
+        bytes = value.has("uri") ? bytes_of(value.at("uri"), length) : own_bytes(value, number.whole());
+        if (bytes->size() < length)
+            value.fail(fmt::format("has {} of its {} bytes; was it cut short?", bytes->size(), length));
+        bytes->resize(length);
+        bytes_read_ += length;
+        return *bytes;
+    }
+    std::string own_bytes(const GltfValue& value, std::uint64_t place) {
+        if (place != 0 || !own_) value.fail("has no uri, and no bytes follow the JSON");
+        return std::move(*own_);
+    }
+    std::string bytes_of(const GltfValue& uri, std::uint64_t length) {
+        const std::string& text = uri.text();
+        if (text.starts_with("data:")) {
+            constexpr std::string_view mark = ";base64,";
+            const std::size_t begin = text.find(mark);
+            auto bytes = begin < text.size()
+                             ? bytes_of_base64(std::string_view(text).substr(begin + mark.size()), terms_.stop)
+                             : std::nullopt;
+            if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, and letters");
+            return std::move(*bytes);
+        }
+        const std::filesystem::path file = path_of(uri);
+        if (!opened_.insert(file).second)
+            uri.fail("names the file of another buffer; write one buffer, and views of it");
+        try {
+            MeshBytes beside(file, terms_.stop);
+            return std::string(beside.take(std::min(length, beside.size())));
+        } catch (const InputError& error) {
+            uri.fail(error.what());
+        }
+    }
+    /// A file in the folder of this one or below it: what a mesh from elsewhere names is not looked for elsewhere.
+    [[nodiscard]] std::filesystem::path path_of(const GltfValue& uri) const {
+        const std::string& text = uri.text();
+        const auto name = name_of_uri(text);
+        if (!name || name->empty() || name->find('\0') != std::string::npos)
+            uri.fail("is " + toml::quoted_excerpt(text) + ", which is not the name of a file");
+        const std::filesystem::path path(*name);
+        const bool leads_out =
+            path.is_absolute() || text.find(':') != std::string::npos || std::ranges::find(path, "..") != path.end();
+        if (leads_out)
+            uri.fail(
+                "is " + toml::quoted_excerpt(text) +
+                ", which lies outside of the folder of the glTF and is not opened; copy it there, and name it alone");
+        return (std::filesystem::path(file_).parent_path() / path).lexically_normal();
+    }
+
+    const std::string file_;
+    const MeshTerms terms_;
+    json json_;
+    GltfValue top_;
+    std::map<std::string, std::vector<GltfValue>, std::less<>> sections_;
+    std::optional<std::string> own_;  ///< the bytes behind the JSON of a binary
+    std::vector<std::optional<std::string>> buffers_;
+    std::set<std::filesystem::path> opened_;
+    std::uint64_t bytes_read_ = 0;  ///< of all buffers so far
+    std::map<std::uint64_t, Vertices> vertices_;
     MeshInFile found_;
 };
 
 }  // namespace
 
-MeshInFile read_gltf(const std::filesystem::path& path, std::istream&) { return GltfModel(path).read(); }
+MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& terms) { return GltfModel(bytes, terms).read(); }
 
 }  // namespace lostbits::scene::triangle

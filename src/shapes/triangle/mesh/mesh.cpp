@@ -1,6 +1,8 @@
 #include "shapes/triangle/mesh/mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -16,7 +18,18 @@ struct Edge {
     std::uint32_t low, high, face;
 };
 
-std::vector<Edge> sorted_edges(const Mesh& mesh) {
+using intersect::process::StopToken;
+
+/// "a before b" by a key of theirs, which asks each time whether the work is to end: sorting millions takes seconds.
+template <class Key>
+auto by(const Key& key, StopToken stop) {
+    return [key, stop](const auto& a, const auto& b) {
+        stop.check();
+        return key(a) < key(b);
+    };
+}
+
+std::vector<Edge> sorted_edges(const Mesh& mesh, StopToken stop) {
     std::vector<Edge> edges;
     edges.reserve(3 * mesh.faces.size());
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -25,14 +38,14 @@ std::vector<Edge> sorted_edges(const Mesh& mesh) {
             edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f)});
         }
     }
-    std::ranges::sort(edges, {}, [](const Edge& e) { return std::pair(e.low, e.high); });
+    std::ranges::sort(edges, by([](const Edge& e) { return std::pair(e.low, e.high); }, stop));
     return edges;
 }
 
 /// `take(edges)` for each edge, with all the faces that it is of.
 template <class Take>
-void for_each_edge(const Mesh& mesh, const Take& take) {
-    const std::vector<Edge> edges = sorted_edges(mesh);
+void for_each_edge(const Mesh& mesh, const Take& take, StopToken stop = {}) {
+    const std::vector<Edge> edges = sorted_edges(mesh, stop);
     for (auto first = edges.begin(), last = first; first != edges.end(); first = last) {
         const auto same = [&](const Edge& e) { return e.low == first->low && e.high == first->high; };
         last = std::find_if_not(first, edges.end(), same);
@@ -40,14 +53,14 @@ void for_each_edge(const Mesh& mesh, const Take& take) {
     }
 }
 
-void merge_vertices(Mesh& mesh) {
+void merge_vertices(Mesh& mesh, StopToken stop) {
     std::vector<std::uint32_t> order(mesh.vertices.size()), becomes(mesh.vertices.size());
     std::iota(order.begin(), order.end(), 0U);
     const auto key = [&](std::uint32_t v) {
         const Vec<double>& p = mesh.vertices[v];
         return std::array{p.x, p.y, p.z};  // −0 and 0 compare equal
     };
-    std::ranges::stable_sort(order, {}, key);
+    std::ranges::stable_sort(order, by(key, stop));
     for (std::size_t i = 0; i < order.size(); ++i)
         becomes[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? becomes[order[i - 1]] : order[i];
     std::vector<std::uint32_t> place(mesh.vertices.size());
@@ -64,12 +77,25 @@ void merge_vertices(Mesh& mesh) {
 
 bool is_flat(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
 
+/// The smallest number that a format rounds to infinity: half an ulp above its largest.
+double overflow_of(const FloatFormat& format) {
+    return std::ldexp(2 - std::ldexp(1.0, -format.precision), format.emax);
+}
+
 }  // namespace
 
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place) {
-    merge_vertices(mesh);
+std::string_view fault_of_coordinate(double x, const FloatFormat& stored) {
+    if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // stored is binary32 or wider
+    if (!std::isfinite(x)) return "is not finite; a vertex has finite numbers";
+    if (std::fabs(x) < overflow_of(stored)) return {};
+    return "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = \"own\"";
+}
+
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, StopToken stop) {
+    merge_vertices(mesh, stop);
     std::size_t kept = 0;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        stop.check();
         const auto& [a, b, c] = mesh.faces[f];
         if (is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
             if (mesh.left_out++ == 0) mesh.first_left_out = place(f);
@@ -79,9 +105,10 @@ void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place) {
     }
     mesh.faces.resize(kept);
     mesh.borders.assign(kept, false);
-    for_each_edge(mesh, [&](std::span<const Edge> of) {
+    const auto mark = [&](std::span<const Edge> of) {
         if (of.size() == 1) mesh.borders[of.front().face] = true;
-    });
+    };
+    for_each_edge(mesh, mark, stop);
 }
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "number/format.hpp"
 #include "scene/toml/toml_reader.hpp"
 #include "shapes/solid.hpp"
@@ -47,8 +48,8 @@ struct Mesh {
 
 /// Vertices with the same coordinates become one (0 and −0 are the same), so that faces which meet share their edge;
 /// faces whose corners lie on one line are left out, and `borders` is filled. `place(face)` names a face of the mesh as
-/// it is given.
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place);
+/// it is given. Throws Interrupted, and leaves a mesh of no use, where it is asked to stop.
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, intersect::process::StopToken stop = {});
 
 /// An edge of two faces.
 struct SharedEdge {
@@ -68,8 +69,17 @@ std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format);
 /// they are.
 std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored);
 
+/// How a mesh is read.
+struct MeshTerms {
+    intersect::process::StopToken stop = {};
+    FloatFormat stored = binary64;  ///< to which the scene rounds its vertices before any form sees them
+};
+
+/// Why a scene cannot hold such a number of a vertex, as a sentence goes on behind "which"; empty where it can.
+std::string_view fault_of_coordinate(double x, const FloatFormat& stored);
+
 /// Reads a `[[mesh]]`: `make` with the keys of what is made, or `file`, which is looked for from `folder`. InputError
 /// with a position.
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder);
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms = {});
 
 }  // namespace lostbits::scene::triangle

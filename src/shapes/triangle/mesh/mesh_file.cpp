@@ -1,7 +1,5 @@
 #include "shapes/triangle/mesh/mesh_file.hpp"
 
-#include <fstream>
-
 #include "number/error.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 
@@ -11,7 +9,7 @@ namespace {
 
 struct MeshFormat {
     std::string_view extension;
-    MeshInFile (*read)(const std::filesystem::path&, std::istream&);
+    MeshInFile (*read)(MeshBytes&, const MeshTerms&);
     bool has_lines;
 };
 constexpr MeshFormat formats[] = {{".obj", read_obj, true},
@@ -29,17 +27,16 @@ const MeshFormat& format_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Mesh read_mesh_file(const std::filesystem::path& path) {
+Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& terms) {
     const MeshFormat& format = format_of(path);
-    std::ifstream bytes(path, std::ios::binary);
-    if (!bytes) throw InputError(path.string() + ": cannot be opened; may you read it?");
-    MeshInFile found = format.read(path, bytes);
+    MeshBytes bytes(path, terms.stop);
+    MeshInFile found = format.read(bytes, terms);
     const auto place = [&](std::size_t face) {
         return format.has_lines ? path.string() + ":" + std::to_string(found.lines[face])
                                 : "face " + std::to_string(found.lines[face]) + " of " + path.string();
     };
     if (found.mesh.faces.empty()) throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
-    tidy(found.mesh, place);
+    tidy(found.mesh, place, terms.stop);
     if (found.mesh.faces.empty())
         throw InputError(path.string() + ": all of its faces lie on lines; " + found.mesh.first_left_out +
                          " is the first");

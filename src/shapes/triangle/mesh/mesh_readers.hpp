@@ -1,9 +1,10 @@
 // The readers of files of meshes, one a format.
 #pragma once
 
-#include <istream>
+#include <span>
 
 #include "shapes/triangle/mesh/mesh.hpp"
+#include "shapes/triangle/mesh/mesh_bytes.hpp"
 
 namespace lostbits::scene::triangle {
 
@@ -13,7 +14,7 @@ struct MeshInFile {
     std::vector<std::uint32_t> lines = {};
 
     /// Adds a face of `corners`, as a fan around the first.
-    void add(const std::vector<std::uint32_t>& corners, std::size_t line) {
+    void add(std::span<const std::uint32_t> corners, std::size_t line) {
         for (std::size_t k = 2; k < corners.size(); ++k) {
             mesh.faces.push_back({corners[0], corners[k - 1], corners[k]});
             lines.push_back(static_cast<std::uint32_t>(line));
@@ -22,15 +23,17 @@ struct MeshInFile {
 };
 
 inline constexpr std::size_t most_vertices = 0xffffffff;  ///< places are 32 bits wide
+inline constexpr std::size_t most_faces = 0x7fffffff;     ///< numbers of faces are signed
 
-/// `v` and `f` of a Wavefront OBJ; texture and normal of a corner, and all other lines, are left aside.
-MeshInFile read_obj(const std::filesystem::path& path, std::istream& bytes);
+/// `v` and `f` of a Wavefront OBJ; texture and normal of a corner, and all other lines that an OBJ has, are left aside.
+MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms);
 /// PLY 1.0: the element `vertex` with `x`, `y`, `z`, and `face` with a list `vertex_indices` or `vertex_index`.
-MeshInFile read_ply(const std::filesystem::path& path, std::istream& bytes);
+MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& terms);
 /// STL, in text or bytes; told apart by the size, which in bytes is 84 + 50 n.
-MeshInFile read_stl(const std::filesystem::path& path, std::istream& bytes);
+MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& terms);
 /// glTF 2.0, as JSON or as one binary: the triangles of the default scene, or of all meshes where there is none. A node
-/// that moves its mesh is an error: vertices would be rounded. The file is opened again by its path.
-MeshInFile read_gltf(const std::filesystem::path& path, std::istream& bytes);
+/// that moves its mesh is an error: vertices would be rounded. Buffers are read from the folder of the file, or from
+/// below it, and nothing else is opened.
+MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& terms);
 
 }  // namespace lostbits::scene::triangle

@@ -70,25 +70,26 @@ private:
     toml::TableReader& table_;
 };
 
-}  // namespace
-
-namespace {
-
-Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder) {
+Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms) {
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "stands beside file; a mesh is made or read, not both");
         const std::filesystem::path path = folder / table.string("file");
-        std::error_code ignored;
-        if (!std::filesystem::exists(path, ignored) || std::filesystem::is_directory(path, ignored))
+        std::error_code unknown;
+        if (!std::filesystem::is_regular_file(path, unknown))
             table.fail_at("file", "names " + path.string() +
                                       ", which is not a file; it is looked for from the folder "
                                       "of the scene");
-        mesh = read_mesh_file(path);
+        mesh = read_mesh_file(path, terms);
     } else {
         table.node("make", R"("icosphere", "grid", "tube" or "fan", or write file = "name.obj" in its place)");
         mesh = MeshTable(table).make();
-        tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
+        tidy(
+            mesh, [](std::size_t face) { return "face " + std::to_string(face); }, terms.stop);
+        if (mesh.faces.empty())
+            table.fail_at("make",
+                          "makes triangles without area alone, since their vertices round to one another so "
+                          "far from the origin; move centre nearer to it, or make it larger");
     }
     table.reject_unknown_keys();
     return mesh;
@@ -96,9 +97,9 @@ Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder) {
 
 }  // namespace
 
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder) {
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms) {
     try {
-        return read_table(table, folder);
+        return read_table(table, folder, terms);
     } catch (const std::bad_alloc&) {
         throw EnvironmentError(table.where(table.has("file") ? "file" : "make").text() +
                                ": this mesh does not fit into memory; take one of fewer triangles");

@@ -5,13 +5,24 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
+/// The words that begin the other lines of an OBJ, the usual ones first.
+constexpr std::string_view other_words[] = {
+    "vn",       "vt",       "#",     "g",     "o",      "s",      "usemtl",     "mtllib",   "l",    "p",
+    "vp",       "mg",       "lod",   "bevel", "call",   "csh",    "cstype",     "deg",      "bmat", "step",
+    "curv",     "curv2",    "surf",  "parm",  "trim",   "hole",   "scrv",       "sp",       "end",  "con",
+    "c_interp", "d_interp", "ctech", "stech", "usemap", "maplib", "shadow_obj", "trace_obj"};
+
+bool is_left_aside(std::string_view word) {
+    return word.empty() || word[0] == '#' || std::ranges::find(other_words, word) != std::end(other_words);
+}
+
 /// `7`, `7/1`, `7/1/2`, `7//2`, `-1`: the place of the vertex from 0.
 std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t vertices) {
     const std::string_view text = word.substr(0, word.find('/'));
     long long place = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), place);
     if (error != std::errc() || end != text.data() + text.size())
-        lines.fail("the corner \"" + std::string(word.substr(0, 40)) + "\" is not the number of a vertex");
+        lines.fail("the corner " + toml::quoted_excerpt(word) + " is not the number of a vertex");
     const auto count = static_cast<long long>(vertices);
     if (place == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
     if (place > count || place < -count)
@@ -22,23 +33,30 @@ std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t 
 
 }  // namespace
 
-MeshInFile read_obj(const std::filesystem::path& path, std::istream& bytes) {
+MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
     MeshInFile found;
-    TextLines lines(path, bytes);
+    TextLines lines(bytes);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view what = lines.word();
         if (what == "v") {
             if (found.mesh.vertices.size() == most_vertices)
                 lines.fail("is one vertex too many: 2^32 - 1 are the most");
-            const double x = lines.number<double>("x"), y = lines.number<double>("y"), z = lines.number<double>("z");
+            const auto number = [&](const char* name) { return lines.coordinate<double>(name, terms.stored); };
+            const double x = number("x"), y = number("y"), z = number("z");
             found.mesh.vertices.emplace_back(x, y, z);
         } else if (what == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
                 corners.push_back(corner(lines, word, found.mesh.vertices.size()));
-            if (corners.size() < 3) lines.fail("is a face of fewer than 3 corners");
+            if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
             found.add(corners, lines.line());
+            if (found.mesh.faces.size() > most_faces)
+                lines.fail_line("is one face too many: 2^31 - 1 triangles are the most");
+        } else if (!is_left_aside(what)) {
+            lines.fail(toml::quoted_excerpt(what) +
+                       " begins no line of an OBJ, so it may be a face that is left out; correct it, or write # before "
+                       "it");
         }
     }
     return found;

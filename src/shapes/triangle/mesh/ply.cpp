@@ -1,8 +1,10 @@
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
+#include <cmath>
 
+#include <fmt/format.h>
+
+#include "scene/toml/counted.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 #include "shapes/triangle/mesh/text_lines.hpp"
 
@@ -23,16 +25,25 @@ constexpr std::array<PlyTypeName, 8> ply_types{{{"char", "int8", 1},
                                                 {"uint", "uint32", 4},
                                                 {"float", "float32", 4},
                                                 {"double", "float64", 8}}};
+std::size_t bytes_of(PlyType type) { return ply_types[static_cast<std::size_t>(type)].bytes; }
 
 struct PlyProperty {
     std::string name;
     PlyType type{};
     std::optional<PlyType> count = {};  ///< of a list: the type of how many follow
+
+    [[nodiscard]] bool is_corners() const { return name == "vertex_indices" || name == "vertex_index"; }
 };
 struct PlyElement {
     std::string name;
     std::size_t count = 0;
     std::vector<PlyProperty> properties = {};
+
+    [[nodiscard]] bool is_vertex() const { return name == "vertex"; }
+    [[nodiscard]] bool is_face() const { return name == "face"; }
+    [[nodiscard]] bool has(std::string_view property) const {
+        return std::ranges::find(properties, property, &PlyProperty::name) != properties.end();
+    }
 };
 enum class PlyBytes { text, little, big };
 struct PlyHeader {
@@ -40,68 +51,158 @@ struct PlyHeader {
     std::vector<PlyElement> elements = {};
 };
 
-PlyType type_named(const TextLines& lines, std::string_view name) {
-    for (std::size_t k = 0; k < ply_types.size(); ++k)
-        if (name == ply_types[k].old_name || name == ply_types[k].name) return static_cast<PlyType>(k);
-    lines.fail("\"" + std::string(name.substr(0, 40)) + "\" is not a type of PLY; write float, double, uchar, int, …");
-}
+/// The lines above `end_header`.
+class PlyHeaderLines {
+public:
+    explicit PlyHeaderLines(TextLines& lines) : lines_(lines) {}
 
-PlyHeader read_header(TextLines& lines) {
-    if (!lines.next() || lines.word() != "ply") lines.fail("is not a PLY: its first line is not ply");
-    PlyHeader header;
-    while (lines.next()) {
-        const std::string_view what = lines.word();
-        if (what == "end_header") return header;
-        if (what == "format") {
-            const std::string_view name = lines.word();
-            if (name == "binary_little_endian") header.bytes = PlyBytes::little;
-            else if (name == "binary_big_endian") header.bytes = PlyBytes::big;
-            else if (name != "ascii") lines.fail("the format is ascii, binary_little_endian or binary_big_endian");
-        } else if (what == "element") {
-            const std::string name(lines.word());
-            header.elements.push_back({name, lines.number<std::uint32_t>("the count of " + name)});
-        } else if (what == "property") {
-            if (header.elements.empty()) lines.fail("a property stands before the first element");
-            PlyProperty property;
-            std::string_view type = lines.word();
-            if (type == "list") property.count = type_named(lines, lines.word()), type = lines.word();
-            property.type = type_named(lines, type);
-            property.name = lines.word();
-            header.elements.back().properties.push_back(property);
+    PlyHeader read() {
+        if (!lines_.next() || lines_.word() != "ply") lines_.fail_line("is not a PLY: its first line is not ply");
+        while (lines_.next()) {
+            const std::string_view what = lines_.word();
+            if (what == "end_header") return whole();
+            if (what == "format") read_format();
+            else if (what == "element") read_element();
+            else if (what == "property") read_property();
+            else if (what != "comment" && what != "obj_info" && !what.empty())
+                lines_.fail(toml::quoted_excerpt(what) +
+                            " begins no line of a header; write format, element, property, comment or end_header");
         }
+        lines_.fail("ends before end_header");
     }
-    lines.fail("ends before end_header");
-}
+
+private:
+    void read_format() {
+        static constexpr std::pair<std::string_view, PlyBytes> formats[] = {{"ascii", PlyBytes::text},
+                                                                            {"binary_little_endian", PlyBytes::little},
+                                                                            {"binary_big_endian", PlyBytes::big}};
+        const auto found = std::ranges::find(formats, lines_.word(), &std::pair<std::string_view, PlyBytes>::first);
+        if (found == std::end(formats)) lines_.fail("the format is ascii, binary_little_endian or binary_big_endian");
+        header_.bytes = found->second;
+        has_format_ = true;
+    }
+    void read_element() {
+        const std::string name(lines_.word());
+        if (std::ranges::find(header_.elements, name, &PlyElement::name) != header_.elements.end())
+            lines_.fail("a second element " + toml::quoted_excerpt(name) + "; write them into one");
+        header_.elements.push_back({name, lines_.number<std::uint32_t>("the count of " + toml::excerpt(name))});
+    }
+    void read_property() {
+        if (header_.elements.empty()) lines_.fail_line("a property stands before the first element");
+        PlyElement& element = header_.elements.back();
+        PlyProperty property;
+        std::string_view type = lines_.word();
+        if (type == "list") property.count = type_named(lines_.word()), type = lines_.word();
+        property.type = type_named(type);
+        property.name = lines_.word();
+        if (property.name.empty()) lines_.fail("ends before the name of the property");
+        if (element.has(property.name))
+            lines_.fail("a second property " + toml::quoted_excerpt(property.name) + " of one element");
+        if (element.is_face() && property.is_corners() &&
+            std::ranges::any_of(element.properties, &PlyProperty::is_corners))
+            lines_.fail("a second list of the corners of a face");
+        element.properties.push_back(property);
+    }
+    [[nodiscard]] PlyType type_named(std::string_view name) const {
+        for (std::size_t k = 0; k < ply_types.size(); ++k)
+            if (name == ply_types[k].old_name || name == ply_types[k].name) return static_cast<PlyType>(k);
+        lines_.fail(toml::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
+    }
+    PlyHeader whole() {
+        if (!has_format_) lines_.fail("the header has no line format; write format ascii 1.0, if the numbers are text");
+        for (const PlyElement& element : header_.elements) {
+            if (element.is_vertex() && !(element.has("x") && element.has("y") && element.has("z")))
+                lines_.fail("vertex has no x, y and z");
+            if (element.is_face() && std::ranges::none_of(element.properties, &PlyProperty::is_corners))
+                lines_.fail("face has no list vertex_indices");
+            if (element.count > 0 && element.properties.empty())
+                lines_.fail("element " + toml::excerpt(element.name) +
+                            " has no properties, so nothing says where its " + toml::counted(element.count, "element") +
+                            " end; leave it out");
+        }
+        return std::move(header_);
+    }
+
+    TextLines& lines_;
+    PlyHeader header_;
+    bool has_format_ = false;
+};
 
 /// The numbers of the body, one after the other.
 class PlyNumbers {
 public:
-    PlyNumbers(TextLines& lines, std::istream& stream, PlyBytes bytes, const std::filesystem::path& path)
-        : lines_(lines), stream_(stream), bytes_(bytes), path_(path) {}
+    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyBytes kind, const FloatFormat& stored)
+        : lines_(lines), bytes_(bytes), kind_(kind), stored_(stored) {}
 
+    /// Refuses a count for which the file is too short, before anything is read.
+    void begin(const PlyElement& element) {
+        last_ = bytes_.place();
+        std::uint64_t least = 0;  // bytes of one: a list may be empty, and a number of text is a digit and a blank
+        for (const PlyProperty& p : element.properties) least += is_text() ? 2 : bytes_of(p.count.value_or(p.type));
+        // The last line of a text may do without its break.
+        if (element.count * least > bytes_.left() + 1)
+            throw InputError(fmt::format(
+                "{}: ends before the {} of {}, which take at least {} bytes; was it cut short?", place(),
+                toml::counted(element.count, "element"), toml::excerpt(element.name), element.count * least));
+    }
     /// A line of text is an element.
     void begin_element() {
-        if (bytes_ == PlyBytes::text && !lines_.next()) lines_.fail("ends before all elements are there");
+        if (is_text() && !lines_.next()) lines_.fail("ends before all elements are there; was it cut short?");
     }
-    double next(PlyType type, const std::string& what) {
-        if (bytes_ != PlyBytes::text) return from_bytes(type);
+    void end_element() {
+        if (is_text() && !lines_.word().empty()) lines_.fail("follows the last property of its element");
+    }
+    /// Refuses what the header does not name: it may be faces.
+    void end() {
+        if (!is_text() && bytes_.left() > 0)
+            fail(toml::counted(bytes_.left(), "byte follows", "bytes follow") +
+                 " the last element that the header names");
+        while (is_text() && lines_.next())
+            if (!lines_.word().empty()) lines_.fail("follows the last element that the header names");
+    }
+
+    double next(const PlyProperty& property, PlyType type, const char* of = "") {
+        if (!is_text()) return from_bytes(type);
+        const std::string what = of + property.name;
         switch (type) {
             case PlyType::f32: return lines_.number<float>(what);  // rounded once, to the type that is stated
             case PlyType::f64: return lines_.number<double>(what);
             default: return static_cast<double>(lines_.number<long long>(what));
         }
     }
-    [[nodiscard]] std::string place() const {
-        return bytes_ == PlyBytes::text
-                   ? lines_.place()
-                   : path_.string() + ": byte " + std::to_string(static_cast<long long>(stream_.tellg()));
+    double coordinate(const PlyProperty& property) {
+        const double x = next(property, property.type);
+        if (const auto fault = fault_of_coordinate(x, stored_); !fault.empty())
+            fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
+        return x;
+    }
+    /// How many numbers a list has.
+    std::size_t length(const PlyProperty& list) {
+        constexpr double most = 1e6;
+        const double x = next(list, *list.count, "the length of ");
+        if (!is_whole(x) || x > most)
+            fail(fmt::format("the length of {} is {}; a whole number up to a million is read", list.name, x));
+        return static_cast<std::size_t>(x);
+    }
+    /// The place of a vertex.
+    std::uint32_t corner(const PlyProperty& property, std::size_t vertices) {
+        const double x = next(property, property.type);
+        if (!is_whole(x) || x >= static_cast<double>(vertices))
+            fail(fmt::format("names vertex {} of {}; vertices are whole numbers, and count from 0", x, vertices));
+        return static_cast<std::uint32_t>(x);
     }
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(place() + ": " + what +
-                         (bytes_ == PlyBytes::text ? "" : "; is the order of bytes the one that format says?"));
+                         (is_text() ? "" : "; is the order of bytes the one that format says?"));
     }
 
 private:
+    [[nodiscard]] bool is_text() const { return kind_ == PlyBytes::text; }
+    /// Of the word or the number that was read last.
+    [[nodiscard]] std::string place() const {
+        return is_text() ? lines_.place() : fmt::format("{}: byte {}", bytes_.name(), last_);
+    }
+    static bool is_whole(double x) { return x >= 0 && x == std::floor(x); }
     template <class T>
     static double as(const std::array<char, 8>& raw) {
         T x;
@@ -109,11 +210,13 @@ private:
         return static_cast<double>(x);
     }
     double from_bytes(PlyType type) {
-        const std::size_t count = ply_types[static_cast<std::size_t>(type)].bytes;
+        const std::size_t count = bytes_of(type);
+        last_ = bytes_.place();
+        const std::string_view taken = bytes_.take(count);
+        if (taken.size() < count) throw InputError(place() + ": ends before all elements are there; was it cut short?");
         std::array<char, 8> raw{};
-        if (!stream_.read(raw.data(), static_cast<std::streamsize>(count)))
-            throw InputError(path_.string() + ": ends before all elements are there; was it cut short?");
-        if ((bytes_ == PlyBytes::little) != (std::endian::native == std::endian::little))
+        std::ranges::copy(taken, raw.begin());
+        if ((kind_ == PlyBytes::little) != (std::endian::native == std::endian::little))
             std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(count));
         switch (type) {
             case PlyType::i8: return as<std::int8_t>(raw);
@@ -129,19 +232,19 @@ private:
     }
 
     TextLines& lines_;
-    std::istream& stream_;
-    PlyBytes bytes_;
-    const std::filesystem::path& path_;
+    MeshBytes& bytes_;
+    PlyBytes kind_;
+    FloatFormat stored_;
+    std::uint64_t last_ = 0;  ///< of bytes: where the last number begins
 };
 
 void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
     Vec<double> p(0, 0, 0);
     for (const PlyProperty& property : element.properties) {
         if (property.count) numbers.fail("vertex has a list, which is not read");
-        const double x = numbers.next(property.type, property.name);
-        if (property.name.size() != 1 || property.name[0] < 'x' || property.name[0] > 'z') continue;
-        if (!std::isfinite(x)) numbers.fail(property.name + " of a vertex is not finite");
-        p[property.name[0] - 'x'] = x;
+        const bool wanted = property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z';
+        if (wanted) p[property.name[0] - 'x'] = numbers.coordinate(property);
+        else static_cast<void>(numbers.next(property, property.type));
     }
     mesh.vertices.push_back(p);
 }
@@ -149,50 +252,39 @@ void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
 /// Reads the lists of a face, or of an element that is not wanted.
 void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
                 std::vector<std::uint32_t>& corners) {
-    constexpr double most_corners = 1e6;
     corners.clear();
     for (const PlyProperty& property : element.properties) {
-        const bool wanted = property.name == "vertex_indices" || property.name == "vertex_index";
-        const double count = property.count ? numbers.next(*property.count, "the length of " + property.name) : 1;
-        if (!(count >= 0 && count <= most_corners))
-            numbers.fail("the length of " + property.name + " is " + std::to_string(count));
-        for (double k = 0; k < count; ++k) {
-            const double x = numbers.next(property.type, property.name);
-            if (!wanted) continue;
-            if (!(x >= 0 && x < static_cast<double>(vertices)))
-                numbers.fail("names vertex " + std::to_string(static_cast<long long>(x)) + " of " +
-                             std::to_string(vertices) + "; vertices count from 0");
-            corners.push_back(static_cast<std::uint32_t>(x));
+        const bool wanted = element.is_face() && property.is_corners();
+        const std::size_t count = property.count ? numbers.length(property) : 1;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (wanted) corners.push_back(numbers.corner(property, vertices));
+            else static_cast<void>(numbers.next(property, property.type));
         }
     }
 }
 
 }  // namespace
 
-MeshInFile read_ply(const std::filesystem::path& path, std::istream& bytes) {
+MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& terms) {
     MeshInFile found;
-    TextLines lines(path, bytes);
-    const PlyHeader header = read_header(lines);
-    PlyNumbers numbers(lines, bytes, header.bytes, path);
+    TextLines lines(bytes);
+    const PlyHeader header = PlyHeaderLines(lines).read();
+    PlyNumbers numbers(lines, bytes, header.bytes, terms.stored);
     std::vector<std::uint32_t> corners;
     for (const PlyElement& element : header.elements) {
-        const auto has = [&](const char* name) {
-            return std::ranges::find(element.properties, name, &PlyProperty::name) != element.properties.end();
-        };
-        const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
-        if (is_vertex && !(has("x") && has("y") && has("z"))) lines.fail("vertex has no x, y and z");
-        if (is_face && !has("vertex_indices") && !has("vertex_index")) lines.fail("face has no list vertex_indices");
+        numbers.begin(element);
+        if (element.is_vertex()) found.mesh.vertices.reserve(element.count);
         for (std::size_t i = 0; i < element.count; ++i) {
             numbers.begin_element();
-            if (is_vertex) {
-                read_vertex(numbers, element, found.mesh);
-                continue;
-            }
-            read_lists(numbers, element, found.mesh.vertices.size(), corners);
-            if (is_face && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
-            if (is_face) found.add(corners, i);
+            if (element.is_vertex()) read_vertex(numbers, element, found.mesh);
+            else read_lists(numbers, element, found.mesh.vertices.size(), corners);
+            if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
+            if (element.is_face()) found.add(corners, i);
+            if (found.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
+            numbers.end_element();
         }
     }
+    numbers.end();
     return found;
 }
 

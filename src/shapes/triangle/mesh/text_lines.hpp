@@ -1,69 +1,106 @@
 // A text file line by line, with its errors: of any size, a line at a time in memory.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <type_traits>
 
-#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+#include "shapes/triangle/mesh/mesh_bytes.hpp"
+#include "shapes/triangle/mesh/mesh_readers.hpp"
 
 namespace lostbits::scene::triangle {
 
 class TextLines {
 public:
-    static constexpr std::size_t longest = 1 << 20;
+    static constexpr std::size_t longest = std::size_t{1} << 20;
 
-    /// `bytes`: at the first of them.
-    TextLines(const std::filesystem::path& path, std::istream& bytes, std::size_t line = 0)
-        : path_(path), bytes_(bytes), number_(line), room_(longest + 1) {}
+    explicit TextLines(MeshBytes& bytes) : bytes_(bytes) {}
 
-    /// The next line without its end; false after the last.
+    /// The next line without its end; false after the last. A byte order mark is not a part of the first.
     bool next() {
-        bytes_.getline(room_.data(), static_cast<std::streamsize>(room_.size()));
-        if (bytes_.gcount() == 0 && !bytes_) return false;
-        ++number_;
-        if (bytes_.fail() && !bytes_.eof()) fail("is longer than 1 MB; a mesh has a vertex or a face a line");
-        rest_ = std::string_view(room_.data());
+        if (!bytes_.take_line(line_, longest)) return false;
+        at_ = 0, word_ = 0;
+        if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
+        if (line_.size() > longest) fail("is longer than 1 MB; a mesh has a vertex or a face a line");
+        if (line_.ends_with('\r')) line_.remove_suffix(1);
+        // What a view of text takes for its end would hide the rest of the line.
+        refuse_byte('\0', "has a byte 0; is it text?");
+        refuse_byte('\r', "has a carriage return inside of the line; write line feeds");
         return true;
     }
     /// The next word of the line; empty at its end.
     std::string_view word() {
-        const std::size_t begin = std::min(rest_.find_first_not_of(" \t\r"), rest_.size());
-        const std::size_t end = std::min(rest_.find_first_of(" \t\r", begin), rest_.size());
-        const std::string_view found = rest_.substr(begin, end - begin);
-        rest_.remove_prefix(end);
-        return found;
+        word_ = std::min(line_.find_first_not_of(" \t", at_), line_.size());
+        at_ = std::min(line_.find_first_of(" \t", word_), line_.size());
+        return line_.substr(word_, at_ - word_);
     }
     /// The next word as a number of type T, rounded once; `what` names it in errors.
     template <class T>
     T number(std::string_view what) {
-        std::string_view text = word();
+        const std::string_view text = word();
         if (text.empty()) fail("ends before " + std::string(what));
-        const std::string shown(text.substr(0, 40));
-        if (text.starts_with('+')) text.remove_prefix(1);
+        const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
         T x{};
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-        if (error == std::errc::result_out_of_range) fail(std::string(what) + " is \"" + shown + "\", which overflows");
-        if (error != std::errc() || end != text.data() + text.size())
-            fail(std::string(what) + " is \"" + shown + "\", which is not a number");
-        if constexpr (std::is_floating_point_v<T>)
-            if (!std::isfinite(x)) fail(std::string(what) + " is \"" + shown + "\"; a vertex has finite numbers");
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+        const bool is_whole_word = end == digits.data() + digits.size();
+        if (error == std::errc::result_out_of_range && is_whole_word) return out_of_range<T>(text, what);
+        if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
+            fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not a number");
+        return x;
+    }
+    /// The next word as a number of a vertex that the scene can hold.
+    template <class T>
+    T coordinate(std::string_view what, const FloatFormat& stored) {
+        const T x = number<T>(what);
+        if (const auto fault = fault_of_coordinate(static_cast<double>(x), stored); !fault.empty())
+            fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_, at_ - word_)) + ", which " +
+                 std::string(fault));
         return x;
     }
 
     [[nodiscard]] std::size_t line() const { return number_; }
-    [[nodiscard]] std::string place() const { return path_.string() + ":" + std::to_string(number_); }
+    /// Of the word that was read last; columns count characters.
+    [[nodiscard]] std::string place() const { return place_of(word_); }
     [[noreturn]] void fail(const std::string& what) const { throw InputError(place() + ": " + what); }
+    /// The same for the line as a whole.
+    [[noreturn]] void fail_line(const std::string& what) const {
+        throw InputError(place_of(std::min(line_.find_first_not_of(" \t"), line_.size())) + ": " + what);
+    }
 
 private:
-    const std::filesystem::path& path_;
-    std::istream& bytes_;
-    std::size_t number_;
-    std::vector<char> room_;
-    std::string_view rest_;
+    /// The exact number decides: too small for T it is rounded, as any other.
+    template <class T>
+    T out_of_range(std::string_view text, std::string_view what) const {
+        if constexpr (std::is_floating_point_v<T>) {
+            const auto parsed = toml::parse_number(text);
+            if (const Real* const exact = std::get_if<Real>(&parsed))
+                if (const double x = toml::round_to_format(*exact, sizeof(T) == 4 ? binary32 : binary64);
+                    std::isfinite(x))
+                    return static_cast<T>(x);
+        }
+        fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which overflows");
+    }
+    void refuse_byte(char byte, const char* why) {
+        const void* const found = std::memchr(line_.data(), byte, line_.size());
+        if (found == nullptr) return;
+        word_ = static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());
+        fail(why);
+    }
+    [[nodiscard]] std::string place_of(std::size_t byte) const {
+        const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of UTF-8 go on
+        const auto column = std::ranges::count_if(line_.substr(0, byte), starts) + 1;
+        return bytes_.name() + ":" + std::to_string(number_) + ":" + std::to_string(column);
+    }
+
+    MeshBytes& bytes_;
+    std::size_t number_ = 0;
+    std::string_view line_;
+    std::size_t at_ = 0, word_ = 0;  ///< in the line: behind the last word, and where it begins
 };
 
 }  // namespace lostbits::scene::triangle

@@ -8,13 +8,16 @@
 
 #include "intersect/process/stop_token.hpp"
 
-namespace lostbits::scene::dump {
+namespace lostbits::scene::toml {
 
-/// Open while it lives. Throws InputError where there is no such file or it is a folder, EnvironmentError where the
-/// machine does not let us read it.
+/// The kinds of files that are opened: `files` alone, which have a size and an end, or `any`, pipes and devices too.
+enum class Opens { any, files };
+
+/// Open while it lives. Throws InputError where there is no such file, or one of another kind, EnvironmentError where
+/// the machine does not let us read it, Interrupted where the work is asked to end, also while a pipe has no bytes yet.
 class ByteSource {
 public:
-    ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop);
+    ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop, Opens opens = Opens::any);
     ~ByteSource();
     ByteSource(const ByteSource&) = delete;
     ByteSource& operator=(const ByteSource&) = delete;
@@ -28,8 +31,9 @@ public:
     std::size_t read_at(std::uint64_t place, std::string& to, std::size_t most) const;
 
 private:
+    void open(Opens opens);
     [[noreturn]] void fail(const std::string& what) const;
-    /// Appends up to so many bytes; `read_some(room, size, got)` is asked for them until it has none.
+    /// Appends up to so many bytes; `read_some(buffer, size, got)` is asked for them until it has none.
     template <class ReadSome>
     std::size_t fill(std::string& to, std::size_t most, const ReadSome& read_some) const;
 
@@ -39,4 +43,4 @@ private:
     std::optional<std::uint64_t> size_;
 };
 
-}  // namespace lostbits::scene::dump
+}  // namespace lostbits::scene::toml

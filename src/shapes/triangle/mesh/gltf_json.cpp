@@ -1,0 +1,156 @@
+#include "shapes/triangle/mesh/gltf_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <functional>
+#include <iterator>
+
+namespace lostbits::scene::triangle {
+
+namespace {
+
+using intersect::process::StopToken;
+using nlohmann::json;
+
+constexpr int deepest = 64;                      // a mesh needs nine
+constexpr std::size_t most_values = 10'000'000;  // some 100 bytes of memory each
+
+/// The letters of a JSON, which know how far they are read and whether the work is to end.
+class Letters {
+public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = char;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const char*;
+    using reference = const char&;
+
+    Letters(const char* at, StopToken stop, const char** seen = nullptr) : at_(at), stop_(stop), seen_(seen) {}
+    reference operator*() const { return *at_; }
+    Letters& operator++() {
+        constexpr std::uintptr_t now_and_then = 0xffff;
+        if ((reinterpret_cast<std::uintptr_t>(++at_) & now_and_then) == 0) stop_.check();
+        if (seen_ != nullptr) *seen_ = at_;
+        return *this;
+    }
+    Letters operator++(int) {
+        const Letters before = *this;
+        ++*this;
+        return before;
+    }
+    friend bool operator==(const Letters& a, const Letters& b) { return a.at_ == b.at_; }
+
+private:
+    const char* at_;
+    StopToken stop_;
+    const char** seen_;
+};
+
+/// `file:line:col` of a byte of a text, or `file: byte n` of one that lies in a binary file from `begin` on.
+std::string place_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
+    if (begin > 0) return fmt::format("{}: byte {}", file, begin + byte);
+    const std::string_view before = text.substr(0, byte);
+    const std::size_t line_begin = before.rfind('\n') + 1;  // npos + 1 is 0
+    const auto starts = [](char c) { return (c & 0xc0) != 0x80; };
+    return fmt::format("{}:{}:{}", file, std::ranges::count(before, '\n') + 1,
+                       std::ranges::count_if(before.substr(line_begin), starts) + 1);
+}
+
+/// Looks through a JSON before memory is made of it: how deep its values stand and how many there are depends on what
+/// the text says of itself. (The library's own callback looks at all elements of an array again behind each of them.)
+class Limits final : public nlohmann::json_sax<json> {
+public:
+    using Fail = std::function<void(const std::string&)>;
+    explicit Limits(Fail fail) : fail_(std::move(fail)) {}
+
+    bool null() override { return count(); }
+    bool boolean(bool) override { return count(); }
+    bool number_integer(number_integer_t) override { return count(); }
+    bool number_unsigned(number_unsigned_t) override { return count(); }
+    bool number_float(number_float_t, const string_t&) override { return count(); }
+    bool string(string_t&) override { return count(); }
+    bool binary(binary_t&) override { return count(); }
+    bool key(string_t&) override { return true; }
+    bool start_object(std::size_t) override { return enter(); }
+    bool end_object() override { return leave(); }
+    bool start_array(std::size_t) override { return enter(); }
+    bool end_array() override { return leave(); }
+    bool parse_error(std::size_t, const std::string&, const json::exception& error) override {
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the place is ours.
+        const std::string_view what = error.what();
+        const std::size_t colon = what.find(": ");
+        fail_("is not JSON: " + std::string(colon < what.size() ? what.substr(colon + 2) : what));
+        return false;
+    }
+
+private:
+    bool count() {
+        if (++values_ > most_values) fail_(fmt::format("has more than {} values; is it a mesh?", most_values));
+        return true;
+    }
+    bool enter() {
+        if (++depth_ > deepest) fail_(fmt::format("stands in more than {} values; is it a glTF?", deepest));
+        return count();
+    }
+    bool leave() {
+        --depth_;
+        return true;
+    }
+
+    Fail fail_;
+    int depth_ = 0;
+    std::size_t values_ = 0;
+};
+
+}  // namespace
+
+json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin, StopToken stop) {
+    const char* seen = text.data();
+    Limits limits([&](const std::string& what) {
+        const auto read = static_cast<std::size_t>(seen - text.data());
+        throw InputError(place_in(file, text, read - (read > 0 ? 1 : 0), begin) + ": " + what);
+    });
+    const Letters first(text.data(), stop), last(text.data() + text.size(), stop);
+    json::sax_parse(Letters(text.data(), stop, &seen), last, &limits);
+    return json::parse(first, last);
+}
+
+std::optional<std::string> bytes_of_base64(std::string_view letters, StopToken stop) {
+    constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::array<std::int8_t, 256> values;
+    values.fill(-1);
+    for (std::size_t i = 0; i < alphabet.size(); ++i)
+        values[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+    for (int padding = 0; padding < 2 && letters.ends_with('='); ++padding) letters.remove_suffix(1);
+    if (letters.size() % 4 == 1) return std::nullopt;
+    std::string bytes;
+    bytes.reserve(letters.size() / 4 * 3 + 2);
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < letters.size(); ++i) {
+        const std::int8_t value = values[static_cast<unsigned char>(letters[i])];
+        if (value < 0) return std::nullopt;
+        bits = bits << 6 | static_cast<std::uint32_t>(value);
+        if (i % 4 != 0) bytes += static_cast<char>(bits >> (6 - 2 * (i % 4)));
+        if (i % 0x10000 == 0) stop.check();
+    }
+    return bytes;
+}
+
+std::optional<std::string> name_of_uri(std::string_view uri) {
+    std::string name;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        if (uri[i] != '%') {
+            name += uri[i];
+            continue;
+        }
+        const std::string_view digits = uri.substr(i + 1, 2);
+        unsigned byte = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
+        if (digits.size() < 2 || error != std::errc() || end != digits.data() + 2) return std::nullopt;
+        name += static_cast<char>(byte);
+        i += 2;
+    }
+    return name;
+}
+
+}  // namespace lostbits::scene::triangle
