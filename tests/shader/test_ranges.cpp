@@ -85,7 +85,8 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
     const Outcome forgets = run("plugin check --shader ends_alone.glsl", folder.path());
     INFO(forgets.out << forgets.err);
     CHECK(forgets.code == 1);
-    CHECK(has(forgets.out, "a range that begins behind the solid, where t = 8, hits; it should miss: `starts` says where"));
+    CHECK(has(forgets.out,
+              "a range that begins behind the solid, where t = 8, hits; it should miss: `starts` says where"));
 }
 
 TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats and doubles", "[shader-device]") {

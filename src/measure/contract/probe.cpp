@@ -220,7 +220,7 @@ void try_range(Trial& trial) {
         return q;
     };
     const auto hold = [&trial](const Question& q, const std::string& range, const std::string& why) {
-        const Decided right = trial.truth(q);
+        const HitOrMiss right = trial.truth(q);
         const Reply r = trial.ask(q);
         const std::string right_words = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
         const std::string words = r.hit != 1                   ? "misses"

@@ -179,7 +179,7 @@ void try_touching(Trial& trial) {
             Question one = q;
             one.ray[0] *= side, one.ray[2] = from;
             const double right = trial.truth(one, closed).t;
-            const Decided taken = taken_by(closed, trial.ask(one), one);
+            const HitOrMiss taken = taken_by(closed, trial.ask(one), one);
             // A march stops short of a tangent by the root of its epsilon.
             if (trial.tells_t && taken.hit && !(std::fabs(taken.t - right) <= 0.5))
                 return trial.broken(what + " is answered with t = " + text_of(taken.t) + "; " + text_of(right) +
@@ -227,7 +227,7 @@ struct FromSurface {
     bool goes_in;
 
     [[nodiscard]] std::string words(const Trial& trial) const {
-        const Decided taken = taken_by(trial.contract, reply, q);
+        const HitOrMiss taken = taken_by(trial.contract, reply, q);
         return !taken.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(taken.t) : "hits";
     }
 };
@@ -273,7 +273,7 @@ void try_at_origin(Trial& trial) {
     }
     for (const FromSurface& r : rays) {
         if (is_right_from_surface(trial, r, trial.contract)) continue;
-        const Decided right = trial.truth(r.q);
+        const HitOrMiss right = trial.truth(r.q);
         return trial.broken((flat        ? surface
                              : r.goes_in ? in
                                          : "a ray that starts on the surface and goes out ") +

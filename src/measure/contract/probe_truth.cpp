@@ -32,20 +32,14 @@ private:
     std::uint32_t state_ = 1;
 };
 
-/// The power of two up to which a size is asked about. Usual code multiplies so many lengths that beyond it numbers
-/// under- or overflow by no fault of an epsilon; the roots of a torus are found by steps and tolerances, whose fineness
-/// is no epsilon either.
+/// The power of two up to which a size is asked about. Usual code multiplies four lengths for what is round, flat or a
+/// box, and up to ten for others: beyond that numbers under- or overflow by no fault of an epsilon. The roots of a
+/// solid that a line enters twice are found by steps and tolerances, whose fineness is no epsilon either.
 int greatest_power(const intersect::doors::Contract& contract) {
-    const int exponents = contract.bits == 32 ? 112 : 960;
-    switch (contract.shape) {
-        case Shape::torus: return 12;
-        case Shape::cone: return exponents / 10;
-        case Shape::ellipsoid:
-        case Shape::cylinder:
-        case Shape::capsule:
-        case Shape::tube: return exponents / 6;
-        default: return exponents / 4;
-    }
+    const ShapeRow& row = row_of(contract.shape);
+    const auto ends = ends_of(along(contract.shape, -5, 1), contract.shape);
+    if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
+    return (contract.bits == 32 ? 112 : 960) / (row.round || row.flat || row.edges ? 4 : 10);
 }
 
 /// Plain rays at a solid of half-width 2·size: straight, off its middle, from inside, past it.
@@ -55,7 +49,6 @@ std::vector<Question> of_size(Shape shape, double size) {
     all[1].ray[0] = size / 2, all[1].ray[1] = size / 4;
     all[3].ray[0] = 16 * size;
     if (!has_inside(shape)) all.erase(all.begin() + 2);
-    if (shape == Shape::plane) all.pop_back();
     return all;
 }
 
@@ -110,14 +103,14 @@ double half_extent_of(const Solid<double>& solid) {
 
 /// Whether small changes of the ray change the answer by little: then every usual formula gets it right.
 bool is_benign(const Trial& trial, const Question& q, Random& random) {
-    const Decided right = trial.truth(q);
+    const HitOrMiss right = trial.truth(q);
     const double size = half_extent_of(solid_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
     for (int i = 0; i < 6; ++i) {
         Question near = q;
         for (std::size_t k = 0; k < 3; ++k) near.ray[k] += 0x1p-5 * size * random();
         for (std::size_t k = 3; k < 6; ++k) near.ray[k] += 0x1p-6 * length * random();
-        const Decided there = trial.truth(near);
+        const HitOrMiss there = trial.truth(near);
         if (there.hit != right.hit || std::fabs(there.t - right.t) * length > size / 4) return false;
     }
     return true;
@@ -182,7 +175,7 @@ std::string numbers_text(std::span<const double> numbers) {
     return words;
 }
 
-std::string words_of(const Trial& trial, const Decided& d) {
+std::string words_of(const Trial& trial, const HitOrMiss& d) {
     return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
 }
 
@@ -210,7 +203,7 @@ struct Wrong {
         const std::vector<Reply> replies = ask(trial.form, questions);
         for (std::size_t i = 0; i < asked; ++i) {
             const Question q = from_its_side(questions[i], trial.contract);
-            const Decided right = truth_by(trial.contract, q), taken = taken_by(trial.contract, replies[i], q);
+            const HitOrMiss right = truth_by(trial.contract, q), taken = taken_by(trial.contract, replies[i], q);
             const double tolerance = 0x1p-5 * half_extent_of(solid_of(q, trial.shape)) / length(ray_of(q).direction);
             if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
                 continue;
@@ -233,7 +226,7 @@ struct Wrong {
 void try_scale(Trial& trial) {
     const auto answer_at = [&trial](std::size_t i, double size) {
         const Question q = of_size(trial.shape, size)[i];
-        const Decided right = trial.truth(q), taken = taken_by(trial.contract, trial.ask(q), q);
+        const HitOrMiss right = trial.truth(q), taken = taken_by(trial.contract, trial.ask(q), q);
         const bool is_right =
             right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= 0x1p-8 * size);
         return std::tuple(is_right, right, taken);

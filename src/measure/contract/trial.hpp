@@ -105,13 +105,13 @@ inline Solid<double> solid_of(const Question& q, Shape shape) {
 }
 
 /// A hit with its t, or a miss: what is right, or what the table takes an answer for.
-struct Decided {
+struct HitOrMiss {
     bool hit = false;
     double t = 0;
 };
 
 /// The truth about a question as it is asked, by a contract. Directions have unit length where it says so.
-inline Decided truth_by(const intersect::doors::Contract& contract, const Question& asked) {
+inline HitOrMiss truth_by(const intersect::doors::Contract& contract, const Question& asked) {
     const truth::Truth truth =
         truth::find_truth(ray_of(asked), solid_of(asked, contract.shape), {},
                           intersect::doors::info_of(contract).convention(), {.tmin = asked.start, .tmax = asked.end});
@@ -121,7 +121,7 @@ inline Decided truth_by(const intersect::doors::Contract& contract, const Questi
 }
 
 /// What the table takes a reply for by a contract.
-inline Decided taken_by(const intersect::doors::Contract& contract, const Reply& r, const Question& asked) {
+inline HitOrMiss taken_by(const intersect::doors::Contract& contract, const Reply& r, const Question& asked) {
     const std::array<double, 2> near_far{r.near, r.far};
     const double end = told_end(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
     const Hit<double> hit = intersect::doors::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
@@ -202,13 +202,13 @@ public:
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
     /// The truth by the trial's contract, or by another that was asked the same.
-    [[nodiscard]] Decided truth(const Question& q) const { return truth(q, contract); }
-    [[nodiscard]] Decided truth(const Question& q, const intersect::doors::Contract& by) const {
+    [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
+    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::doors::Contract& by) const {
         return truth_by(by, from_its_side(q, contract));
     }
     /// Whether a reply is the true answer by a contract.
     [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::doors::Contract& by) const {
-        const Decided right = truth(q, by), taken = taken_by(by, r, q);
+        const HitOrMiss right = truth(q, by), taken = taken_by(by, r, q);
         return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
     }
 

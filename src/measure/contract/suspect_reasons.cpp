@@ -1,0 +1,181 @@
+// What each mistake of a contract would have made of an answer.
+#include "measure/contract/suspect_reasons.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <optional>
+
+namespace lostbits::measure::contract {
+namespace {
+
+using Line = Ends<double>;
+
+/// In double: good to many more bits than are asked about.
+std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
+    const auto line = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
+    return line && line->near <= line->far ? line : std::nullopt;
+}
+
+bool is_answer_of(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
+    const auto line = line_through(ray, solid);
+    const bool ahead = line && line->far >= 0;
+    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
+    return is_about(j.t, line->near >= 0 ? line->near : line->far);
+}
+
+/// The answer for another ray or another solid. One that is wrong and yet that of the ray's own line is about an end, a
+/// touch or a side: where both rays are alike it would be a sign of any exchange.
+bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
+    return is_answer_of(j, ray, solid) && (is_right(j) || !is_answer_of(j, j.ray, j.solid));
+}
+
+/// The answer for a solid of another length. A length that would be the same explains what is right.
+bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double)) {
+    if (j.solid.shape != row.shape) return false;
+    Solid<double> other = j.solid;
+    double& length = other.numbers[length_key(row.shape)->number];
+    const double is = length;
+    length = change(is);
+    return is_about(length, is) ? is_right(j) : fits(j, j.ray, other);
+}
+
+/// The answer for a solid whose numbers are so many times as large.
+bool fits_scaled(const Judged& j, double factor) {
+    Solid<double> other = j.solid;
+    for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
+    return fits(j, j.ray, other);
+}
+
+Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
+
+bool is_in_other_measure(const Judged& j) {
+    return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
+}
+
+/// Where the line enters and leaves, of a ray that starts between.
+std::optional<Line> line_from_inside(const Judged& j) {
+    const auto line = line_through(j.ray, j.solid);
+    return j.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
+}
+
+/// What is made of a shape's length, of a radius: {0} is the key, {1} its letter, {2} the shape, {3} several.
+struct LengthMistake {
+    const char *words, *to_library, *to_file;
+    double (*change)(double);
+};
+constexpr LengthMistake length_mistakes[] = {
+    {"the {0} seems to be taken for its square", "hand over {0} * {0}",
+     "the answers are for {3} of {0} sqrt({1}); write that {0}", [](double x) { return std::sqrt(x); }},
+    {"the {0} seems to be squared once too often", "hand over {0}",
+     "the answers are for {3} of {0} {1} * {1}; write that {0}", [](double x) { return x * x; }},
+    {"the {0} seems to be taken for a diameter", "hand over 2 * {0}",
+     "the answers are for {3} of half the {0}; write that {0} (--{2})", [](double x) { return x / 2; }},
+    {"a diameter seems to be handed over for the {0}", "hand over {0}",
+     "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
+
+void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
+    const auto length = length_key(row.shape);
+    if (!length) return;
+    const auto text = [&](const char* words) {
+        return fmt::format(fmt::runtime(words), length->key->name, length->key->letter, row.name, row.plural);
+    };
+    for (const LengthMistake& m : length_mistakes)
+        all.push_back({text(m.words), text(m.to_library), text(m.to_file),
+                       [&row, change = m.change](const Judged& j) { return fits_length(j, row, change); },
+                       Reason::About::all});
+}
+
+std::vector<Reason> all_reasons() {
+    using About = Reason::About;
+    std::vector<Reason> all{
+        {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
+         "say so (unit_direction, direction=unit)", "say --direction unit",
+         [](const Judged& j) { return !j.unit && is_in_other_measure(j); }},
+        {"t is the ray's parameter, not a distance",
+         "leave out what says that directions have unit length (unit_direction, direction=unit)",
+         "leave --direction unit out", [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
+    };
+    for (const ShapeRow& row : shape_rows) add_lengths(row, all);
+    const Reason more[] = {
+        {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
+         [](const Judged& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
+        {"from inside it answers with the exit, where 0 is right", "say so (inside_exit, inside=exit)",
+         "say --inside exit",
+         [](const Judged& j) {
+             const auto line = line_from_inside(j);
+             return line && j.truly_hits && j.true_t == 0 && is_about(j.t, line->far);
+         }},
+        {"from inside it answers with the near root, behind the ray",
+         "say so (near_root, roots=near), by which t < 0 is a miss", "say --inside near, by which t < 0 is a miss",
+         [](const Judged& j) {
+             const auto line = line_from_inside(j);
+             return line && is_about(j.t, line->near);
+         }},
+        {"from inside it answers with the near root without its sign",
+         "the root is behind the ray; the first with t >= 0 is asked for",
+         "the root is behind the ray; the first with t >= 0 is right",
+         [](const Judged& j) {
+             const auto line = line_from_inside(j);
+             return line && !is_about(-line->near, j.true_t) && is_about(j.t, -line->near);
+         }},
+        {"it answers with the far root, the exit in place of the entry",
+         "the first with t >= 0 is asked for, or near before far (roots)", "the first with t >= 0 is right",
+         [](const Judged& j) {
+             const auto line = line_through(j.ray, j.solid);
+             return j.hit && line && !is_about(line->far, j.true_t) && is_about(j.t, line->far);
+         }},
+        {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
+         [](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, -j.true_t); }},
+        {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
+         "write -dx, -dy, -dz",
+         [](const Judged& j) {
+             return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.solid);
+         },
+         About::all},
+        {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
+         "write hit = 0 where t < 0, or leave out hit and say --miss negative",
+         [](const Judged& j) {
+             const auto line = line_through(j.ray, j.solid);
+             return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
+         },
+         About::wrong},
+        {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
+         "look at the names of the columns: ox, oy, oz are the origin",
+         [](const Judged& j) {
+             return fits(j, {j.ray.direction, j.ray.origin}, j.solid);
+         },
+         About::all},
+        {"the direction seems to be the point where the ray ends: the answers are those for d - o",
+         "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
+         [](const Judged& j) {
+             return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.solid);
+         },
+         About::all},
+        {"y and z of the rays seem to be exchanged against those of the solid",
+         "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
+         [](const Judged& j) {
+             return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.solid);
+         },
+         About::all},
+    };
+    all.insert(all.end(), std::begin(more), std::end(more));
+    for (const Units& units : known_units)
+        all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
+                                   units.factor, units.words),
+                       "hand over both in the same units", "write both in the same units",
+                       [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all});
+    all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
+                   "write 1 for a hit and 0 for a miss", [](const Judged& j) { return j.hit != j.truly_hits; },
+                   About::decisions});
+    return all;
+}
+
+}  // namespace
+
+const std::vector<Reason>& reasons() {
+    static const std::vector<Reason> all = all_reasons();
+    return all;
+}
+
+}  // namespace lostbits::measure::contract
