@@ -1,7 +1,8 @@
-// How far errors of the inputs can move t, in units of t.
+// How far errors of the inputs can move t, in units of t: rounded up where that is subnormal.
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "measure/truth/reach.hpp"
 
@@ -11,7 +12,8 @@ inline double reach_of_t(const Ray<double>& ray, const Solid<double>& solid, con
                          const FloatFormat& format,
                          measure::truth::Perturbed perturbed = measure::truth::Perturbed::componentwise) {
     const double reach = measure::truth::reach(ray, solid, t, measure::truth::Length::parameter, format, perturbed);
-    return std::ldexp(reach, static_cast<int>(measure::truth::exponent_of_unit(t)));
+    const double in_t = std::ldexp(reach, static_cast<int>(measure::truth::exponent_of_unit(t)));
+    return reach > 0 && in_t < 0x1p-980 ? in_t + std::numeric_limits<double>::denorm_min() : in_t;
 }
 
 }  // namespace lostbits::test

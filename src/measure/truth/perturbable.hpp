@@ -1,0 +1,229 @@
+// Problems whose inputs have errors, as functions of their numbers: what reach.cpp bounds.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "measure/truth/reach.hpp"
+#include "number/bounded.hpp"
+#include "number/dual.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::measure::truth {
+
+/// Makes up for the roundings of the bound itself, a few dozen u.
+inline constexpr double outward = 1 + 0x1p-40;
+inline constexpr double anywhere = std::numeric_limits<double>::infinity();
+inline constexpr int exponent_of_zero = -1000000;
+inline constexpr double tiny =
+    std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
+
+using WithinErrors = Bounded<double>;
+/// With room for the numbers of any problem.
+using Differentiated = Dual<WithinErrors, 6 + most_stored>;
+
+inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
+inline double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
+inline int binary_exponent(double x) { return x == 0 ? exponent_of_zero : std::ilogb(x); }
+inline int binary_exponent(const Real& x) {
+    int e = 0;
+    if (x != 0) static_cast<void>(frexp(x, &e));
+    return x == 0 ? exponent_of_zero : e - 1;
+}
+
+/// √Σx², of numbers whose squares may underflow too.
+inline double length_of(std::span<const double> x, std::size_t first, std::size_t end) {
+    double largest = 0, squares = 0;
+    for (std::size_t i = first; i < end; ++i) largest = std::max(largest, std::fabs(x[i]));
+    const int e = std::clamp(binary_exponent(largest), -1000, 1000);
+    for (std::size_t i = first; i < end; ++i) squares += std::ldexp(x[i], -e) * std::ldexp(x[i], -e);
+    return std::ldexp(std::sqrt(squares), e);
+}
+
+/// All that a number may be.
+struct AllValues {
+    double low, high;
+
+    explicit AllValues(const WithinErrors& x)
+        : low(std::nextafter(x.value() - x.error(), -anywhere)),
+          high(std::nextafter(x.value() + x.error(), anywhere)) {}
+    /// The largest and the least size of them.
+    [[nodiscard]] double most() const { return std::max(std::fabs(low), std::fabs(high)); }
+    [[nodiscard]] double least() const { return std::max({0.0, low, -high}); }
+    void join(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
+};
+
+/// The numbers of a problem (origin, direction, the solid's, its matrix's), in units in which its largest length and
+/// its largest component of d are about 1, and how far each may be off. Under a matrix the lengths of the solid have a
+/// unit of their own, and A that of a quotient; what is a direction of the solid has one too. No number is above 1
+/// then, so that nothing overflows, and what small ones lose to underflow is in the bounds.
+class ProblemNumbers {
+public:
+    template <class S>
+    ProblemNumbers(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed, Length length)
+        : matrix_(6 + row_of(s.shape).numbers),
+          count_(matrix_ + (s.placed ? Affine<S>::numbers : 0)),
+          shape_(s.shape),
+          normwise_(perturbed == Perturbed::normwise),
+          as_distance_(length == Length::distance) {
+        const auto number = [&](std::size_t i) {
+            return i < 3         ? r.origin[static_cast<int>(i)]
+                   : i < 6       ? r.direction[static_cast<int>(i - 3)]
+                   : i < matrix_ ? s.numbers[i - 6]
+                                 : s.placed->matrix[place_in_matrix(i - matrix_)];
+        };
+        if (s.placed) placed_ = transformed(*s.placed, [](const S&) { return 0; });
+        for_each_key(shape_, [&](const Key& key, std::size_t k) {
+            std::fill_n(&is_direction_[6 + k], key.count(), key.kind == Key::Kind::direction);
+        });
+        std::array<int, room> exponents{};
+        for (std::size_t i = 0; i < count_; ++i) {
+            exponents[i] = binary_exponent(number(i));
+            int& unit = units_[unit_place(i)];
+            unit = std::max(unit, exponents[i]);
+        }
+        if (placed_) put_units_of_matrix();
+        for (int* const unit : {&units_[0], &units_[1]}) {  // of lengths and of directions
+            if (placed_) break;
+            *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // that of zeros
+        }
+        for (std::size_t i = 0; i < count_; ++i) {
+            x_[i] = scaled(number(i), -unit_of(i));
+            step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
+        }
+        if (normwise_)
+            for_each_vector([&](std::size_t first, std::size_t end) {
+                std::fill(&step_[first], &step_[first] + (end - first),
+                          scaled(length_of(x_, first, end), -format.precision) + tiny);
+            });
+        for (std::size_t i = 0; i < count_; ++i) {
+            const double stored = std::is_same_v<S, double> ? 0 : std::fabs(x_[i]) * 0x1p-53;
+            off_[i] = (step_[i] + stored) * outward + tiny;
+        }
+    }
+
+    [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
+    [[nodiscard]] Shape shape() const { return shape_; }
+    /// All that number i may be.
+    [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], off_[i]}; }
+    /// log2 of the unit of t, or of the distance.
+    [[nodiscard]] int time() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
+    [[nodiscard]] WithinErrors of(const Certified& t) const {
+        const auto e = std::clamp<std::int64_t>(t.exponent - time(), -5000, 5000);
+        const double value = std::ldexp(t.hi, static_cast<int>(e));
+        return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + tiny);
+    }
+
+    /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
+    /// vectors Σ hᵥ |∇ᵥ f|.
+    [[nodiscard]] double moved(const Differentiated& f) const {
+        std::array<double, room> by;
+        for (std::size_t i = 0; i < count_; ++i) {
+            const double most = AllValues(f.derivative(i)).most();
+            by[i] = most == 0 ? 0 : step_[i] * most + tiny;
+        }
+        double sum = 0;
+        if (!normwise_)
+            for (std::size_t i = 0; i < count_; ++i) sum += by[i];
+        else for_each_vector([&](std::size_t first, std::size_t end) { sum += length_of(by, first, end); });
+        return sum * outward;
+    }
+
+    /// How far f(x') can be from 0, of an f that is 0 where t is its root. Where it is not (the range begins there, or
+    /// another face is met), what the enclosure of f(x') leaves beyond 0 bounds it too, and is often nothing.
+    [[nodiscard]] double aside(const Differentiated& f) const {
+        const WithinErrors& all = f.value();
+        return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
+    }
+
+    /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
+    /// for what the solid itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|. Of distances with e =
+    /// d/|d| for d, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A simple norm inequality, 1964).
+    [[nodiscard]] double across(const WithinErrors& t) const {
+        if (placed_) return anywhere;
+        Solid<double> plain(shape_);
+        std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
+        // Of a radius the roundings, and what its squares lose to underflow.
+        double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
+        for_each_vector([&](std::size_t first, std::size_t end) {
+            if (first != 3) away += length_of(step_, first, end);
+        });
+        const double turn = length_of(step_, 3, 6), d = length_of(x_, 3, 6) - turn;
+        if (!(d > 0)) return anywhere;
+        const double turned = as_distance_ ? 2 * turn / (2 * d + turn) : turn;
+        return (away + std::fabs(t.value()) * turned) * (1 + 0x1p-30) / (as_distance_ ? 1 : d);
+    }
+
+protected:
+    std::size_t matrix_, count_;            ///< where those of a matrix begin, and how many there are
+    std::optional<Placement<int>> placed_;  ///< without its numbers
+    [[nodiscard]] bool is_as_distance() const { return as_distance_; }
+
+private:
+    static constexpr std::size_t room = 6 + most_stored;
+
+    /// Of the world's lengths, directions, the solid's lengths under a matrix, its linear part, the solid's directions.
+    [[nodiscard]] std::size_t unit_place(std::size_t i) const {
+        if (i >= 3 && i < 6) return 1;
+        if (i >= 6 && i < matrix_ && is_direction_[i]) return 4;
+        if (!placed_ || i < 3) return 0;
+        if (i < matrix_) return 2;
+        return i < matrix_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
+    }
+    [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
+    /// x of the world is A x' + τ of the solid, or the other way: A's unit is the quotient of both, and where A is
+    /// larger the unit of what it makes grows.
+    void put_units_of_matrix() {
+        const bool inverse = placed_->is_inverse;
+        int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
+        from = std::max(from, -1000);  // of zeros
+        made = std::max(made, linear + from);
+        linear = made - from;
+    }
+    template <class Act>
+    void for_each_vector(const Act& act) const {
+        act(0, 3), act(3, 6);
+        for_each_key(shape_, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+        if (placed_) act(matrix_, matrix_ + 9), act(matrix_ + 9, count_);
+    }
+
+    Shape shape_;
+    bool normwise_, as_distance_;
+    std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
+    std::array<bool, room> is_direction_{};
+    std::array<double, room> x_, step_, off_;
+};
+
+/// A problem as functions of its numbers: f(x') of any x' within the errors is in f(ray, solid). Of distances the
+/// direction is d/|d|, a function of its numbers too, so that t is the distance.
+struct Perturbable : ProblemNumbers {
+    Ray<Differentiated> ray;
+    Solid<Differentiated> solid;
+
+    explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), solid(numbers.shape()) {
+        const auto input = [&](std::size_t i) { return Differentiated::input(at(i), i, count_); };
+        ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
+        if (is_as_distance()) {
+            const Differentiated size = sqrt(square(ray.direction));
+            ray.direction = {ray.direction.x / size, ray.direction.y / size, ray.direction.z / size};
+        }
+        for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
+        if (!placed_) return;
+        solid.placed = transformed(*placed_, [](int) { return Differentiated(0); });
+        for (std::size_t i = matrix_; i < count_; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
+    }
+
+    /// `act(shape, ray)` in the space of the solid, the ray from its point at t on.
+    template <class Act>
+    [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
+        const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
+        return visit_shape(solid, [&]<template <class> class Of>() { return in_its_space<Of>(from, solid, act); });
+    }
+};
+
+}  // namespace lostbits::measure::truth
