@@ -157,7 +157,7 @@ TEST_CASE("the name of a file becomes code nowhere, whatever language is written
         for (const char c : name + ".toml") word += c == '\'' ? "'\\''" : std::string(1, c);
         word += "'";
         const std::string mend =
-            "mend " + word + " --size 3x3 -i sphere.half_b --bits 22 --set 'sphere[0].radius=\"0x1p0\"'";
+            "mend " + word + " --size 8x8 -i sphere.half_b --bits 20 --set 'sphere[0].radius=\"0x1p0\"'";
         must(mend + " --emit mended.hpp -o out --force", scratch.path());
         must(mend + " --emit mended.glsl", scratch.path());
         const std::string header = contents(scratch / "mended.hpp"), shader = contents(scratch / "mended.glsl"),

@@ -197,7 +197,10 @@ InForeignCode::~InForeignCode() {
 }
 
 AsksInProbe::AsksInProbe(const char* name) { probe = name; }
-AsksInProbe::~AsksInProbe() { probe = nullptr; }
+AsksInProbe::~AsksInProbe() {
+    probe = nullptr;
+    put_back_limits(nullptr);  // nobody times a probe, and what is said of it may go to a file
+}
 
 LoadsForeignCode::~LoadsForeignCode() {
     computes_.set();
