@@ -26,7 +26,7 @@ bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
 
 /// `1000` for 1000.02: a factor as far as 2^-8 of it is known, and with the name of units where they have it.
 std::string factor_text(double factor) {
-    for (const Units& units : known_units) {
+    for (const KnownUnits& units : known_units) {
         if (is_about(factor, units.factor))
             return fmt::format("{:.4g} times what is right: {}?", units.factor, units.words);
     }
@@ -38,9 +38,10 @@ bool is_round(double factor) {
     const auto is_power = [factor](double base) {
         return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
     };
-    return factor > 0 && (is_power(2) || is_power(10) || std::ranges::any_of(known_units, [factor](const Units& units) {
-                              return is_about(factor, units.factor);
-                          }));
+    return factor > 0 &&
+           (is_power(2) || is_power(10) || std::ranges::any_of(known_units, [factor](const KnownUnits& units) {
+                return is_about(factor, units.factor);
+            }));
 }
 
 /// How many are wrong in which way, where nothing known explains them.

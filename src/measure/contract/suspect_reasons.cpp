@@ -160,7 +160,7 @@ std::vector<Reason> all_reasons() {
          About::all},
     };
     all.insert(all.end(), std::begin(more), std::end(more));
-    for (const Units& units : known_units)
+    for (const KnownUnits& units : known_units)
         all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
                                    units.factor, units.words),
                        "hand over both in the same units", "write both in the same units",

@@ -36,15 +36,15 @@ struct Reason {
     About about = About::t;
 };
 
-struct Units {
+struct KnownUnits {
     double factor;
     const char* words;
 };
-inline constexpr Units known_units[] = {{1000, "millimetres for metres"}, {0.001, "metres for millimetres"},
-                                        {100, "centimetres for metres"},  {0.01, "metres for centimetres"},
-                                        {0.0254, "metres for inches"},    {1 / 0.0254, "inches for metres"},
-                                        {0.3048, "metres for feet"},      {1 / 0.3048, "feet for metres"},
-                                        {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
+inline constexpr KnownUnits known_units[] = {{1000, "millimetres for metres"}, {0.001, "metres for millimetres"},
+                                             {100, "centimetres for metres"},  {0.01, "metres for centimetres"},
+                                             {0.0254, "metres for inches"},    {1 / 0.0254, "inches for metres"},
+                                             {0.3048, "metres for feet"},      {1 / 0.3048, "feet for metres"},
+                                             {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
 
 /// All of them, in the order in which they are asked.
 const std::vector<Reason>& reasons();
