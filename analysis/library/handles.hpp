@@ -116,7 +116,8 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
 /// What the program says of its options, for those who have arguments instead: `--metric culprit` as `metrics culprit`.
 std::string in_arguments(std::string text);
 
-inline constexpr std::string_view no_memory = "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
+inline constexpr std::string_view no_memory =
+    "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
 
 /// `act()`, which gives an Exit, with arithmetic as IEEE 754 asks and with what it throws as a code and a text.
 template <class Act>

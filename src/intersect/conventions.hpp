@@ -29,7 +29,7 @@ inline constexpr std::array all_situations{Situation::inside,  Situation::enteri
                                            Situation::ending};
 
 /// `ahead` is the next place, beyond the origin, where the ray meets or leaves the primitive; `none`: no such ray.
-enum class Answer : std::uint8_t { origin, ahead, miss, none };
+enum class RightAnswer : std::uint8_t { origin, ahead, miss, none };
 inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
 
 /// Whether a ray from inside gets 0.
@@ -40,50 +40,51 @@ constexpr bool answers_0_inside(Shape shape, Inside inside) {
 namespace detail {
 
 /// On the surface, by the property on the origin: an entry, an exit, both at once (a flat piece, a touch).
-constexpr Answer at_surface(AtOrigin said, bool is_exit, Answer behind) {
-    return said == AtOrigin::hit || (said == AtOrigin::exit && is_exit) ? Answer::origin : behind;
+constexpr RightAnswer at_surface(AtOrigin said, bool is_exit, RightAnswer behind) {
+    return said == AtOrigin::hit || (said == AtOrigin::exit && is_exit) ? RightAnswer::origin : behind;
 }
 
 constexpr bool has_faces(Shape shape) {
     return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone;
 }
 
-constexpr Answer right_on_surface(Shape shape, Situation of, const Convention& asked) {
+constexpr RightAnswer right_on_surface(Shape shape, Situation of, const Convention& asked) {
     const bool no_exits = asked.inside == Inside::miss && has_inside(shape);
     const bool opened = asked.touching == Touching::miss;
     const bool touches = of == Situation::tangent || of == Situation::along;
     // A ray that begins where it leaves touches a box, whose points count themselves.
-    if (opened && (touches || (shape == Shape::box && of == Situation::leaving))) return Answer::miss;
-    if (shape == Shape::box && answers_0_inside(shape, asked.inside)) return Answer::origin;
+    if (opened && (touches || (shape == Shape::box && of == Situation::leaving))) return RightAnswer::miss;
+    if (shape == Shape::box && answers_0_inside(shape, asked.inside)) return RightAnswer::origin;
     if (of == Situation::entering)
-        return at_surface(asked.at_origin, is_flat(shape), no_exits || is_flat(shape) ? Answer::miss : Answer::ahead);
-    if (of == Situation::leaving && no_exits) return Answer::miss;
-    if (of == Situation::along) return at_surface(asked.at_origin, false, Answer::ahead);
-    return at_surface(asked.at_origin, true, Answer::miss);
+        return at_surface(asked.at_origin, is_flat(shape),
+                          no_exits || is_flat(shape) ? RightAnswer::miss : RightAnswer::ahead);
+    if (of == Situation::leaving && no_exits) return RightAnswer::miss;
+    if (of == Situation::along) return at_surface(asked.at_origin, false, RightAnswer::ahead);
+    return at_surface(asked.at_origin, true, RightAnswer::miss);
 }
 
 }  // namespace detail
 
 /// The right answer by a convention, of a primitive that has nothing more behind (a tube and a torus may have).
-constexpr Answer right_answer(Shape shape, Situation of, const Convention& asked) {
+constexpr RightAnswer right_answer(Shape shape, Situation of, const Convention& asked) {
     const bool opened = asked.touching == Touching::miss;
     switch (of) {
         case Situation::inside:
-            if (!has_inside(shape)) return Answer::none;
-            if (answers_0_inside(shape, asked.inside)) return Answer::origin;
-            return asked.inside == Inside::miss ? Answer::miss : Answer::ahead;
+            if (!has_inside(shape)) return RightAnswer::none;
+            if (answers_0_inside(shape, asked.inside)) return RightAnswer::origin;
+            return asked.inside == Inside::miss ? RightAnswer::miss : RightAnswer::ahead;
         case Situation::touching:
-            if (shape == Shape::plane) return Answer::none;
-            return opened ? Answer::miss : Answer::ahead;
-        case Situation::ending: return opened && has_inside(shape) ? Answer::miss : Answer::ahead;
+            if (shape == Shape::plane) return RightAnswer::none;
+            return opened ? RightAnswer::miss : RightAnswer::ahead;
+        case Situation::ending: return opened && has_inside(shape) ? RightAnswer::miss : RightAnswer::ahead;
         case Situation::along:
-            if (!detail::has_faces(shape)) return Answer::none;
+            if (!detail::has_faces(shape)) return RightAnswer::none;
             break;
         case Situation::leaving:
-            if (is_flat(shape)) return Answer::none;
+            if (is_flat(shape)) return RightAnswer::none;
             break;
         case Situation::tangent:
-            if (is_flat(shape)) return Answer::none;
+            if (is_flat(shape)) return RightAnswer::none;
             break;
         case Situation::entering: break;
     }
@@ -95,7 +96,7 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
     for (const Situation of : all_situations) {
         Convention asked;
         asked.inside = inside;
-        const Answer usual = right_answer(shape, of, asked);
+        const RightAnswer usual = right_answer(shape, of, asked);
         for (const AtOrigin other : {AtOrigin::miss, AtOrigin::exit}) {
             asked.at_origin = other;
             if (right_answer(shape, of, asked) != usual) return true;

@@ -65,7 +65,7 @@ async function trade({ open }) {
     await page.mouse.move(x, y);
     await settled(page);
     assert.match(await page.locator("#trade-view .hint").innerText(), /ns per ray, keeps/);
-    const named = await page.evaluate(() => tradeParts.under.name);
+    const named = await page.evaluate(() => tradeParts.under.form);
     await page.mouse.click(x, y);
     assert.equal((await stateOf(page)).form, named);
     // Names of the front lie on no point and on no other name.

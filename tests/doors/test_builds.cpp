@@ -31,7 +31,8 @@ TEST_CASE("plugin: explain says what an answer is worth, and no more of a form t
             folder.path());
     // x and the radius, both 3, move x² - r² by 12·2^-23, and t = 8 by the root of that: 2^10.3 of its ulps.
     CHECK(has(touching.out,
-              "The condition is infinite: half an ulp in each input would cost 11.3 bits; the formula loses the other 12.7 bits."));
+              "The condition is infinite: half an ulp in each input would cost 11.3 bits; the "
+              "formula loses the other 12.7 bits."));
     for (const std::string what : {" --json", " --fpcore", " --latex", " --c"}) {
         const Outcome refused = run(ray + what + " -i odd.first" + plugin("odd_plugin"), folder.path());
         CHECK(refused.code == 2);

@@ -195,9 +195,9 @@ def catalogue_agrees(files, catalogue):
 
 
 def file_length(path, text):
-    """A file that needs more than 350 lines is two files, and a line of more than 120 characters is two lines."""
+    """A file that needs more than 500 lines is two files, and a line of more than 120 characters is two lines."""
     lines = text.count("\n")
-    return [f"{path}: {lines} lines"] * (lines > 350) + [
+    return [f"{path}: {lines} lines"] * (lines > 500) + [
         f"{path}:{i}: {len(line)} characters" for i, line in enumerate(text.split("\n"), 1) if len(line) > 120]
 
 

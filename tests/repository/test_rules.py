@@ -50,6 +50,7 @@ class Tree(unittest.TestCase):
         self.hold(locale_rules, "src", "analysis")
 
     def test_what_names_a_shape_lies_in_its_folder_or_has_its_reason(self):
+        conventions = "the one table of conventions, kind by kind"
         march = "a march is of all solids together, and has a word among the shapes"
         reasons = {
             "analysis/selection/ray_words.cpp": march,
@@ -58,6 +59,7 @@ class Tree(unittest.TestCase):
             "src/intersect/doors/formula_of.hpp": "what a compiler says to who writes a form: two examples and a march",
             "src/intersect/simd/packed_many_kernels.hpp": "the planes of a box in order: a loop by hand",
             "src/intersect/simd/plain_many_w256.cpp": "loops that others write over boxes",
+            "src/intersect/conventions.hpp": conventions,
             "src/intersect/takes.hpp": march,
             "src/intersect/target.hpp": march,
             "src/scene/file/scene.cpp": march,
@@ -65,7 +67,7 @@ class Tree(unittest.TestCase):
         found = {path: names_of_shapes(text) for path, text in tree("src", "analysis")
                  if not path.startswith("src/shapes/") and names_of_shapes(text)}
         self.assertEqual(found.keys(), reasons.keys())
-        self.assertLessEqual(sum(found.values()), 15)
+        self.assertLessEqual(sum(count for path, count in found.items() if reasons[path] != conventions), 15)
 
     def test_the_catalogue_and_the_form_files_agree(self):
         files = tree("src/intersect", "src/shapes")
@@ -170,7 +172,7 @@ class Rules(unittest.TestCase):
         self.assertEqual(len(catalogue_agrees([(path, renamed)], include + entry)), 1)
 
     def test_long_files_names_of_shapes_and_code_are_told_from_what_is_none(self):
-        self.assertEqual(file_length("x", "\n" * 350 + "ü" * 120), [])
+        self.assertEqual(file_length("x", "\n" * 500 + "ü" * 120), [])
         self.assertEqual([len(file_length("x", text)) for text in ("\n" * 351, "x" * 121)], [1, 1])
         self.assertEqual(names_of_shapes("if (solid.shape != Shape::box) return;\nconst Sphere<S> sphere;"), 2)
         self.assertEqual(names_of_shapes("// of Cone<T>\nif (shape == Shape::sdf) return;\nShapes all;"), 2)

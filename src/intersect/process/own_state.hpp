@@ -28,8 +28,8 @@ void give_thread_own_folder() noexcept;
 [[nodiscard]] bool put_back_own_state(const char* who) noexcept;
 
 /// Limits that foreign code has lowered are as they were: after a library was loaded, ten times a second, and before a
-/// file is opened or written. Their name where the system refuses that (a hard limit can be lowered, and raised by root alone),
-/// else null. Async-signal-safe.
+/// file is opened or written. Their name where the system refuses that (a hard limit can be lowered, and raised by root
+/// alone), else null. Async-signal-safe.
 const char* put_back_limits() noexcept;
 
 /// After a library was loaded: also the umask, the mask of signals, and what SIGINT, SIGTERM and SIGHUP do. (A call to

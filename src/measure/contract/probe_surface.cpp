@@ -13,14 +13,14 @@ using intersect::Touching;
 namespace {
 
 /// What an answer is, by the roots that the line has.
-enum class Answer { miss, zero, near, exit, unsigned_near, other };
+enum class RightAnswer { miss, zero, near, exit, unsigned_near, other };
 
-Answer answer_of(const Reply& r, double near, double far) {
-    if (r.hit != 1) return Answer::miss;
-    if (std::fabs(r.near) <= 0x1p-20) return Answer::zero;
-    if (is_answer(r.near, far)) return Answer::exit;
-    if (is_answer(r.near, near)) return Answer::near;
-    return is_answer(r.near, -near) ? Answer::unsigned_near : Answer::other;
+RightAnswer answer_of(const Reply& r, double near, double far) {
+    if (r.hit != 1) return RightAnswer::miss;
+    if (std::fabs(r.near) <= 0x1p-20) return RightAnswer::zero;
+    if (is_answer(r.near, far)) return RightAnswer::exit;
+    if (is_answer(r.near, near)) return RightAnswer::near;
+    return is_answer(r.near, -near) ? RightAnswer::unsigned_near : RightAnswer::other;
 }
 
 /// A ray from inside along z, with the places next to its origin where the line enters and leaves.
@@ -31,7 +31,7 @@ struct RayFromInside {
         far = truth_by(exits, along(trial.shape, z, 1)).t;
         near = -truth_by(exits, along(trial.shape, z, -1)).t;
     }
-    [[nodiscard]] Answer answer() const { return answer_of(reply, near, far); }
+    [[nodiscard]] RightAnswer answer() const { return answer_of(reply, near, far); }
     [[nodiscard]] bool far_is_right() const { return is_answer(reply.far, far); }
     [[nodiscard]] std::string told(bool both) const {
         if (reply.hit != 1) return "a miss";
@@ -49,7 +49,7 @@ struct FromInside {
     explicit FromInside(const Trial& trial) : up(trial, 1), down(trial, -1) {}
     RayFromInside up, down;
 
-    [[nodiscard]] Answer answer() const { return up.answer() == down.answer() ? up.answer() : Answer::other; }
+    [[nodiscard]] RightAnswer answer() const { return up.answer() == down.answer() ? up.answer() : RightAnswer::other; }
     [[nodiscard]] bool far_is_right() const { return up.far_is_right() && down.far_is_right(); }
     [[nodiscard]] std::string words(bool both) const {
         return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.told(both) + ", and " +
@@ -59,16 +59,16 @@ struct FromInside {
 };
 
 void try_interval(Trial& trial, const FromInside& inside) {
-    const Answer answer = inside.answer();
+    const RightAnswer answer = inside.answer();
     const bool clipped = trial.says(LB_CLIPPED), right = inside.far_is_right();
     const bool zero_is_right = zero_inside(trial.shape) && trial.contract.inside != Inside::exit;
-    if (answer == Answer::miss) {
+    if (answer == RightAnswer::miss) {
         trial.hold(trial.contract.inside == Inside::miss, "a ray from inside misses",
                    "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
-    } else if (answer == Answer::near && right) {
+    } else if (answer == RightAnswer::near && right) {
         if (clipped) trial.told("from inside, near is behind: it is not clipped to the ray");
         else trial.kept("from inside, near is behind and far ahead");
-    } else if (answer == Answer::zero && right) {
+    } else if (answer == RightAnswer::zero && right) {
         if (clipped || zero_is_right) trial.kept("from inside, near is 0 and far ahead: clipped to the ray");
         else
             trial.broken(
@@ -80,30 +80,30 @@ void try_interval(Trial& trial, const FromInside& inside) {
 }
 
 /// What to write for what it does; empty where there is no word for it.
-std::string word_for(Answer answer, Roots roots) {
+std::string word_for(RightAnswer answer, Roots roots) {
     const bool near = roots == Roots::near_only;
     switch (answer) {
-        case Answer::miss: return "LB_INSIDE_MISS (inside_misses, inside=miss)";
-        case Answer::zero: return "LB_INSIDE_ZERO (inside_zero, inside=zero)";
-        case Answer::exit:
+        case RightAnswer::miss: return "LB_INSIDE_MISS (inside_misses, inside=miss)";
+        case RightAnswer::zero: return "LB_INSIDE_ZERO (inside_zero, inside=zero)";
+        case RightAnswer::exit:
             return near ? "LB_FIRST (first_root, roots=first)" : "LB_INSIDE_EXIT (inside_exit, inside=exit)";
-        case Answer::near: return "LB_NEAR (near_root, roots=near)";
-        case Answer::unsigned_near:
-        case Answer::other: break;
+        case RightAnswer::near: return "LB_NEAR (near_root, roots=near)";
+        case RightAnswer::unsigned_near:
+        case RightAnswer::other: break;
     }
     return "";
 }
 
-Answer promised_inside(const intersect::doors::Contract& c) {
+RightAnswer promised_inside(const intersect::doors::Contract& c) {
     switch (c.inside) {
-        case Inside::exit: return Answer::exit;
-        case Inside::zero: return Answer::zero;
-        case Inside::near: return Answer::near;
-        case Inside::miss: return Answer::miss;
+        case Inside::exit: return RightAnswer::exit;
+        case Inside::zero: return RightAnswer::zero;
+        case Inside::near: return RightAnswer::near;
+        case Inside::miss: return RightAnswer::miss;
         case Inside::usual: break;
     }
-    if (c.roots == Roots::near_only) return Answer::miss;
-    return zero_inside(c.shape) ? Answer::zero : Answer::exit;
+    if (c.roots == Roots::near_only) return RightAnswer::miss;
+    return zero_inside(c.shape) ? RightAnswer::zero : RightAnswer::exit;
 }
 
 constexpr std::array<const char*, 6> answer_words{"misses",
@@ -129,17 +129,17 @@ void try_inside(Trial& trial) {
     const FromInside inside(trial);
     const intersect::doors::Contract& c = trial.contract;
     if (c.roots == Roots::both) return try_interval(trial, inside);
-    const Answer answer = inside.answer(), promised = promised_inside(c);
+    const RightAnswer answer = inside.answer(), promised = promised_inside(c);
     if (!trial.tells_t) {
-        const bool hits = promised != Answer::miss;
+        const bool hits = promised != RightAnswer::miss;
         return trial.hold((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
                           hits ? "a ray from inside hits" : "a ray from inside misses",
                           hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
                                : "a ray from inside hits; leave out that it misses (inside=miss)");
     }
     const std::string what = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
-    const bool behind = c.roots == Roots::near_only && (answer == Answer::near || answer == Answer::miss) &&
-                        (promised == Answer::near || promised == Answer::miss);
+    const bool behind = c.roots == Roots::near_only && (answer == RightAnswer::near || answer == RightAnswer::miss) &&
+                        (promised == RightAnswer::near || promised == RightAnswer::miss);
     if (answer == promised || behind) return trial.kept(what);
     const std::string word = word_for(answer, c.roots);
     trial.broken(what +

@@ -35,8 +35,8 @@ public:
     explicit Contraction(const Tape& tape) : from_(tape), same_(tape.nodes.size()), takers_(tape.nodes.size()) {
         for (NodeId i = 0; i < tape.size(); ++i) at(same_, i) = first_of(i);
         find_takers();
-        for (NodeId i = 0; i < tape.size(); ++i)
-            if (tape[i].op == TapeOp::mul && same(i) == i) fuse(i);
+        for (const NodeId i : in_order_of_text())
+            if (tape[i].op == TapeOp::mul) fuse(i);
     }
 
     Tape made() {
@@ -59,6 +59,10 @@ private:
 
     template <class T>
     static T& at(std::vector<T>& of, NodeId i) {
+        return of[static_cast<std::size_t>(i)];
+    }
+    template <class T>
+    static const T& at(const std::vector<T>& of, NodeId i) {
         return of[static_cast<std::size_t>(i)];
     }
     [[nodiscard]] NodeId same(NodeId i) const { return i == no_node ? no_node : same_[static_cast<std::size_t>(i)]; }
@@ -94,6 +98,25 @@ private:
                 at(takers_, same(operand)).push_back(i);
             }
         }
+    }
+
+    /// What the answers need, operands from left to right before what takes them. The tape has the arguments of an
+    /// operator in the order in which the compiler of this program evaluates calls, which may be from right to left.
+    [[nodiscard]] std::vector<NodeId> in_order_of_text() const {
+        std::vector<NodeId> order;
+        std::vector<bool> seen(from_.nodes.size());
+        const auto visit = [&](const auto& again, NodeId i) -> void {
+            if (i == no_node || seen[static_cast<std::size_t>(i)]) return;
+            seen[static_cast<std::size_t>(i)] = true;
+            if (!is_given(from_[i].op))
+                for (const NodeId operand : from_[i].operands) again(again, same(operand));
+            order.push_back(i);
+        };
+        const auto [hit, t, near, far] = from_.outputs;
+        for (NodeId i = 0; i < from_.size(); ++i)
+            if (same(i) == i && (!at(takers_, i).empty() || is_answer(i)) && from_[i].label.size() > 0) visit(visit, i);
+        for (const NodeId out : {hit, t, near, far}) visit(visit, same(out));
+        return order;
     }
 
     /// `product`, or its negative, as a part of the sum; nothing where it is both parts, or the sum is fused already.

@@ -65,7 +65,7 @@ Json standing(const measure::blame::Standing& s) {
 std::string explain_json(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march) {
     const TapeText text(x.tape, x.names, TapeText::Style::plain);
     const measure::blame::Attribution& a = x.attribution;
-    const Verdict verdict = verdict_of(x, march);
+    const ExplainedVerdict verdict = verdict_of(x, march);
     Json j{{"schema", "lostbits-explanation/1"},
            {"form", std::string(x.form->info->name)},
            {"format", x.format.name},

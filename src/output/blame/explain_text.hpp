@@ -23,7 +23,7 @@ std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, 
 
 /// The conclusions on an explained ray. Text, JSON and page are views of this one: what it says stands in each of
 /// them, word for word.
-struct Verdict {
+struct ExplainedVerdict {
     std::string
         answer;         ///< how far off it is, or what became of the decision; another primitive, the mesh: a line each
     std::string loss;   ///< whose the loss is: the problem's, the formula's, or nobody's where a march ended
@@ -33,7 +33,7 @@ struct Verdict {
     /// The three, a line each.
     [[nodiscard]] std::string text() const;
 };
-Verdict verdict_of(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
+ExplainedVerdict verdict_of(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
 
 /// Which forms do better on the ray and around it, a sentence a line.
 std::string better_sentences(const measure::blame::Explanation& x);

@@ -308,9 +308,9 @@ std::string mesh_sentence(const Explanation& x) {
     }
 }
 
-std::string Verdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
+std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
-Verdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
+ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
     std::string answer = outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x);
     answer.pop_back();
     return {.answer = std::move(answer),

@@ -1,11 +1,34 @@
-// The forms in 256-bit registers as a compiler makes them that may round a product together with the sum it is added
-// to.
+// Every form over plain numbers as a compiler makes it that may round a product together with the sum it is added to.
 #include "measure/tape/contracted_width.hpp"
-#include "intersect/simd/packed_kernels.hpp"
-#include "number/width.hpp"
+
+#include "intersect/catalogue.hpp"
+#include "intersect/takes.hpp"
 
 namespace lostbits::test::test_contraction {
 
-void fill_contracted(intersect::simd::RawRow* rows) { intersect::simd::fill_raw<Width>(rows); }
+namespace {
+
+/// Flattened, so that no function of a header is left under its ordinary name, compiled with these flags.
+template <class Form, class F>
+[[gnu::flatten]] void ask(const F* in, F* t, F* near, F* far, unsigned char* hit) {
+    const Ray<F> ray{{in[0], in[1], in[2]}, {in[3], in[4], in[5]}};
+    const F end = __builtin_inf();
+    const Hit<F> answer = intersect::intersect_numbers<Form>(
+        ray, [in](std::size_t k) { return in[6 + k]; }, end);
+    *t = answer.t, *near = answer.near, *far = answer.far;
+    *hit = answer.hit;
+}
+
+}  // namespace
+
+void fill_contracted(PlainRow* rows) {
+    intersect::for_each_form([&rows]<class Form>() {
+        if constexpr (!intersect::marches<Form> && !Form::info.name.ends_with(".filtered")) {
+            rows->f32 = ask<Form, float>;
+            if constexpr (Form::info.formats == intersect::Formats::all) rows->f64 = ask<Form, double>;
+        }
+        ++rows;
+    });
+}
 
 }  // namespace lostbits::test::test_contraction

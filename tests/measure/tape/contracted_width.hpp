@@ -1,11 +1,18 @@
-// What test_contraction.cpp and the object that is compiled with -ffp-contract=fast say to each other.
+// What test_contraction.cpp and the object that is compiled with -ffp-contract=fast say to each other: plain pointers.
 #pragma once
-
-#include "intersect/simd/packed_raw.hpp"
 
 namespace lostbits::test::test_contraction {
 
-/// A row for each form, in the order of the catalogue.
-void fill_contracted(intersect::simd::RawRow* rows);
+/// A form on one ray and the numbers of one primitive behind it.
+template <class F>
+using AskPlain = void (*)(const F* in, F* t, F* near, F* far, unsigned char* hit);
+
+struct PlainRow {
+    AskPlain<float> f32 = nullptr;
+    AskPlain<double> f64 = nullptr;
+};
+
+/// A row for each form, in the order of the catalogue; null for those that march or filter.
+void fill_contracted(PlainRow* rows);
 
 }  // namespace lostbits::test::test_contraction

@@ -14,7 +14,7 @@
 namespace test_conventions_table {
 
 using namespace lostbits;
-using intersect::Answer, intersect::AtOrigin, intersect::Convention, intersect::Inside, intersect::Situation,
+using intersect::RightAnswer, intersect::AtOrigin, intersect::Convention, intersect::Inside, intersect::Situation,
     intersect::Touching;
 using measure::truth::find_truth;
 using measure::truth::Truth;
@@ -113,8 +113,8 @@ std::string cell(Shape shape, Situation of, const Values& values, Member Convent
         Convention asked;
         asked.inside = inside;
         asked.*property = value;
-        const Answer answer = intersect::right_answer(shape, of, asked);
-        if (answer == Answer::none) return "";
+        const RightAnswer answer = intersect::right_answer(shape, of, asked);
+        if (answer == RightAnswer::none) return "";
         words += (words.empty() ? "" : ", ") + std::string(intersect::answer_names[static_cast<std::size_t>(answer)]);
     }
     return words;
@@ -161,18 +161,18 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
                     Convention asked(touching, at_origin);
                     asked.inside = inside;
                     const Truth truth = truth_of(e, asked);
-                    const Answer right = intersect::right_answer(e.shape, e.of, asked);
+                    const RightAnswer right = intersect::right_answer(e.shape, e.of, asked);
                     INFO(name_of(e.shape) << " " << intersect::situation_names[static_cast<std::size_t>(e.of)]
                                           << ", touching " << static_cast<int>(touching) << ", at_origin "
                                           << intersect::at_origin_names[static_cast<std::size_t>(at_origin)]
                                           << ", inside " << intersect::inside_names[static_cast<std::size_t>(inside)]
                                           << ": right is " << intersect::answer_names[static_cast<std::size_t>(right)]
                                           << ", hit " << truth.is_hit() << " at " << truth.t.hi);
-                    CHECK(right != Answer::none);
-                    CHECK(truth.is_hit() == (right != Answer::miss));
+                    CHECK(right != RightAnswer::none);
+                    CHECK(truth.is_hit() == (right != RightAnswer::miss));
                     if (truth.is_hit())
                         CHECK(std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) ==
-                              (right == Answer::origin ? 0 : e.ahead));
+                              (right == RightAnswer::origin ? 0 : e.ahead));
                     ++asked_of, passed += truth.is_hit();
                 }
             }
@@ -188,7 +188,7 @@ TEST_CASE("conventions: every situation that a kind has is asked about", "[measu
             const bool has =
                 std::ranges::any_of(examples, [&](const Example& e) { return e.shape == shape.shape && e.of == of; });
             INFO(shape.name << " " << intersect::situation_names[static_cast<std::size_t>(of)]);
-            CHECK(has == (intersect::right_answer(shape.shape, of, {}) != Answer::none));
+            CHECK(has == (intersect::right_answer(shape.shape, of, {}) != RightAnswer::none));
         }
     }
 }

@@ -25,8 +25,8 @@ using intersect::table::Intersector;
 using measure::answer::OneRay;
 using measure::answer::Outcome;
 using measure::blame::Explanation;
+using output::blame::ExplainedVerdict;
 using output::blame::MarchEnd;
-using output::blame::Verdict;
 
 namespace {
 
@@ -47,7 +47,7 @@ struct Shown {
     OneRay ray;
     Explanation x;
     std::optional<MarchEnd> march;
-    Verdict verdict;
+    ExplainedVerdict verdict;
     std::string text;
     nlohmann::json json;
 

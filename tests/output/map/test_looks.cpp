@@ -114,7 +114,7 @@ TEST_CASE("every key of speed against accuracy looks another way, and times are 
     std::vector<measure::speed::TradeKernel> kernels;
     for (const auto& row :
          {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.unified", "f64")}) {
-        for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, row.form->info, isa});
+        for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, isa});
     }
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
                                                               measure::metric::find_metric("excess_bits")};
