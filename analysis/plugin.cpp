@@ -55,6 +55,7 @@ const char* word_of(Observation::Verdict verdict) {
 bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
+    intersect::process::put_back_limits();  // the last question may have lowered them, and what follows may fill a file
     int broken = 0;
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;

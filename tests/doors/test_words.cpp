@@ -207,7 +207,7 @@ TEST_CASE("words: what contradicts itself is refused, and what a library of befo
                            {"flags=clipped", "say at_origin = exit as well"},
                            {"inside=near", "the near root alone"},
                            {"roots=near\\ninside=exit", "tells the first root"},
-                           {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
+                           {"shape=box\\nat_origin=miss", "say inside = exit or miss"},
                            {"inside=out", "it is one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
