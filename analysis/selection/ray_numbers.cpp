@@ -45,13 +45,6 @@ std::vector<Shape> SolidWords::shapes() const {
     return given;
 }
 
-void SolidWords::add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help) {
-    std::vector<shell::Option> options;
-    for (const ShapeRow& row : shape_rows)
-        options.push_back(command.add(fmt::format("--{}", row.name), of(row.shape), help(row)));
-    order_ = command.order_of(options);
-}
-
 std::vector<std::pair<Shape, std::string>> SolidWords::given() const {
     std::vector<std::pair<Shape, std::string>> all;
     std::array<std::size_t, shape_rows.size()> taken{};

@@ -317,4 +317,11 @@ AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::files
     return found;
 }
 
+void SolidWords::add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help) {
+    std::vector<shell::Option> options;
+    for (const ShapeRow& row : shape_rows)
+        options.push_back(command.add(fmt::format("--{}", row.name), of(row.shape), help(row)));
+    order_ = command.order_of(options);
+}
+
 }  // namespace lostbits::analysis::selection
