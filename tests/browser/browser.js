@@ -19,7 +19,9 @@ function missing() {
     return "";
 }
 
-/** Milliseconds after which what does not come will not: a machine with other work takes far longer than an idle one. */
+/**
+ * Milliseconds after which what does not come will not: a machine with other work takes far longer than an idle one.
+ */
 const patience = 600000;
 
 /** A browser; with `bars` its pages have bars to scroll by. */
