@@ -127,7 +127,7 @@ function compare(row, operation, line, where) {
         place);
     assert.equal(row.culprit, line.startsWith("*"), `${place}: culprit`);
     const tail = [off, cancelled, local, own, share].filter((text) => text !== "").join(" ");
-    const told = line.replace(/ {2}rounding chose the other side$/, "").split(/\s+/).join(" ");
+    const told = line.replace(/ {2}(rounding chose the other side|on purpose)$/, "").split(/\s+/).join(" ");
     assert.ok(told.endsWith(` ${tail}`), `${place}: ${tail}\n${line}`);
     return assert.equal(
         operation.turned && operation.rounding !== 0, row.cells[1].endsWith("chose the other side"), place);

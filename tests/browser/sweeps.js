@@ -82,11 +82,10 @@ async function trade({ open }) {
     });
     assert.ok(covered.names > 0);
     assert.deepEqual([covered.points, covered.others], [0, 0]);
-    // By the keyboard: from point to point by time, Enter for the map of one that has a map here (variants of compiler
-    // flags have none).
+    // By the keyboard: from point to point by time, Enter for the map of one that has a map here.
     const walked = [],
           under = () =>
-              page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.name, Boolean(mapOf(tradeParts.under))]);
+              page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.form, Boolean(mapOf(tradeParts.under))]);
     await page.evaluate(() => sayPoint(null));
     do {
         await page.locator("#trade-plot").press("ArrowRight");

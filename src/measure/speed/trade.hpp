@@ -13,8 +13,8 @@ namespace lostbits::measure::speed {
 /// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format
 /// with the same `measured` give the same bits.
 struct TradeKernel {
-    evaluate::TestedForm measured;  ///< what its accuracy is that of
-    std::string_view isa;           ///< `scalar`, `128`, ...
+    evaluate::TestedForm measured;                                    ///< what its accuracy is that of
+    std::string_view isa;                                             ///< `scalar`, `128`, ...
     decltype(intersect::table::Intersector::native32) f32 = nullptr;  ///< one of the two, by the format
     decltype(intersect::table::Intersector::native64) f64 = nullptr;
 };

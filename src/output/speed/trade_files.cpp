@@ -146,10 +146,8 @@ struct KernelMark {
     int marker;
     const char* label;
 };
-constexpr KernelMark kernel_marks[] = {{"scalar", 0, "one ray at a time"},
-                                       {"128", 1, "128-bit registers"},
-                                       {"256", 2, "256-bit"},
-                                       {"512", 3, "512-bit"}};
+constexpr KernelMark kernel_marks[] = {
+    {"scalar", 0, "one ray at a time"}, {"128", 1, "128-bit registers"}, {"256", 2, "256-bit"}, {"512", 3, "512-bit"}};
 
 bool is_marked_so(const TradeKernel& kernel, const KernelMark& mark) { return kernel.isa == mark.isa; }
 
