@@ -2,9 +2,21 @@
 #pragma once
 
 #include "geometry/quartic_chain.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/recorded_running.hpp"
 
 namespace lostbits {
+
+/// Newton's steps behind the halving.
+inline constexpr int newton_steps = 4;
+
+/// One operation of a program: its steps are those of the function for packs.
+inline number::wide::RecordedWord near_first_root(const QuarticChain<number::wide::RecordedWord>& chain,
+                                                  const number::wide::RecordedWord& begin,
+                                                  const number::wide::RecordedWord& bound, int /*steps*/) {
+    using number::wide::ColumnOperation, number::wide::RecordedWord, number::wide::recorded;
+    return RecordedWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
+                                     chain.q.place(), chain.r.place(), begin.place(), bound.place()));
+}
 
 /// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
 template <class E>
@@ -26,7 +38,7 @@ FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Ru
     const E zero(0);
     if (!any_of(ahead.some)) return {ahead.some, ahead.none, zero, zero, zero};
     const QuarticChain<P> words(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
-    E x(W(near_first_root(words, begin.first(), bound.first(), 4)));
+    E x(W(near_first_root(words, begin.first(), bound.first(), newton_steps)));
     for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());
     const E off = chain.value(x) / E(chain.slope(x).words());
     const E away(W(P(2) * (abs(off.first()) + off.radius()) + P(0x1p-110) * bound.first()));

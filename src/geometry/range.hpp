@@ -12,6 +12,7 @@ namespace lostbits {
 /// Which ends of a range do not belong to it.
 struct OpenEnds {
     bool tmin = false, tmax = false;
+    friend auto operator<=>(const OpenEnds&, const OpenEnds&) = default;
 };
 
 /// As files and the command line name them.

@@ -54,7 +54,7 @@ struct Arguments {
 
     const char* name = "near-benign";
     const char* text = scene_text;
-    lostbits_where where{LOSTBITS_DATA_DIR, 4, 4, {nullptr, 0}};
+    lostbits_where where{LOSTBITS_DATA_DIR, 4, 4, {nullptr, 0}, nullptr};
     lostbits_scene* scene = nullptr;
     const char* shape = "sphere";
     std::vector<double> sphere{0, 0, 0, 1};

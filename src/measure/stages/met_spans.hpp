@@ -12,10 +12,12 @@
 #include "geometry/quartic_span.hpp"
 #include "geometry/span.hpp"
 #include "geometry/wall_span.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/recorded_running.hpp"
 
 namespace lostbits::measure::stages {
 
+using number::wide::RecordedMask;
+using number::wide::RecordedWord;
 using number::wide::Running;
 
 /// The first t of a ray at which it meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
@@ -82,6 +84,17 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
     return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
 }
 
+/// x against y, each of which may be off by 2^-44 of itself and a half of `least`.
+template <class P>
+Order<Tris<mask_t<P>>> told_apart(const P& x, const P& y, const P& least) {
+    using lostbits::abs;
+    const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
+    return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
+}
+inline Order<Tris<RecordedMask>> told_apart(const RecordedWord& x, const RecordedWord& y, const RecordedWord& least) {
+    return order_of_first_words(x, y, least);
+}
+
 /// A number that is compared by its first word, which is known to be good to 2^-45 of itself: it is enough for nearly
 /// all, under matrices too.
 ///
@@ -117,11 +130,6 @@ struct ByFirstWord {
 private:
     static Order<Mask> order_of(const ByFirstWord& a, const ByFirstWord& b) {
         return told_apart(a.whole.first(), b.whole.first(), P(0));
-    }
-    static Order<Mask> told_apart(const P& x, const P& y, const P& least) {
-        using lostbits::abs;
-        const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
-        return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
     }
 };
 

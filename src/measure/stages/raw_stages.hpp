@@ -1,10 +1,13 @@
 // What stages.cpp and the objects of the register widths say to each other: plain pointers.
 #pragma once
 
+#include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 
 #include "geometry/range.hpp"
+#include "number/wide/column_program.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::stages {
@@ -33,7 +36,7 @@ struct RawFindings {
 struct UnderMatrix {
     bool placed = false, is_inverse = false;
     int orientation = 1;
-    friend bool operator==(const UnderMatrix&, const UnderMatrix&) = default;
+    friend auto operator<=>(const UnderMatrix&, const UnderMatrix&) = default;
 };
 
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
@@ -66,19 +69,48 @@ struct RawDirections {
     std::size_t size;
 };
 
-/// The stages of one shape: what proves answers. Each is a function that takes seconds to compile a shape and a width,
-/// so what need not be compiled apart is said by `RawProblems`.
-struct RawStages {
-    void (*binary64)(const RawProblems<float>&);        ///< binary32 inputs
-    void (*double_double)(const RawProblems<double>&);  ///< one word a number, or two
-    void (*unit_directions)(const RawDirections&);      ///< the same for every shape
-    /// Also of rays that touch, by exact sums: one word a number, no matrix and no range. Null where there is none.
-    void (*ties)(const RawProblems<double>&) = nullptr;
+/// An operand of an instruction: where its column begins in a room of doubles, and how far apart its packs are: 0 of
+/// what is the same for every ray.
+struct ColumnOperand {
+    std::uint32_t offset, step;
 };
 
-/// One function for registers of 128 bits and one for wider ones, each in an object of its own: those of every shape,
-/// in the order of the list.
-void fill_stages_w128(RawStages* of_shape);
-void fill_stages_w256(RawStages* of_shape);
+/// The packs of a column, and how far apart they are.
+struct CellsOfColumn {
+    const double* from;
+    std::size_t step;
+};
+
+/// The instructions of column programs in registers of one width.
+struct ColumnKernels {
+    using Kernel = void (*)(double* room, const ColumnOperand* operands, std::size_t packs);
+    using OfOperation = std::array<Kernel, 64>;  ///< by the operands that are exact
+    using OfWords = std::array<OfOperation, number::wide::column_operations>;
+
+    std::size_t lanes;
+    std::array<OfWords, 2> of{};  ///< of bounded numbers of one word, of two
+
+    /// Packs of a column from the ray `first` on.
+    void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t packs);
+    void (*load_doubles)(const RawColumn<double>& from, std::size_t first, double* to, std::size_t packs);
+    void (*repeat)(double x, double* to);
+    bool (*is_any)(const double* mask, std::size_t packs);
+    void (*store_mask)(const CellsOfColumn& mask, std::uint8_t* to, std::size_t packs);
+    /// 0 where the mask is not set.
+    void (*store_where)(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs);
+};
+
+/// What is compiled for a register width. (Each shape's stage is a program of columns.)
+struct RawKernels {
+    ColumnKernels columns;
+    void (*unit_directions)(const RawDirections&);
+    /// Of the shapes that lie flat between points, in the order of the list: rays that touch, by exact sums: one word a
+    /// number, no matrix and no range. Null where there is none.
+    std::array<void (*)(const RawProblems<double>&), shape_rows.size()> ties;
+};
+
+/// One function for registers of 128 bits and one for wider ones, each in an object of its own.
+void fill_stages_w128(RawKernels& kernels);
+void fill_stages_w256(RawKernels& kernels);
 
 }  // namespace lostbits::measure::stages

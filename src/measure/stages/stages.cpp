@@ -1,6 +1,13 @@
 #include "measure/stages/stages.hpp"
 
-#include <array>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <tuple>
+
+#include "measure/stages/column_run.hpp"
+#include "measure/stages/stage_program.hpp"
 
 namespace lostbits::measure::stages {
 
@@ -8,32 +15,91 @@ using intersect::simd::Isa;
 
 namespace {
 
-using OfShapes = std::array<Stages, shape_rows.size()>;
-
 /// The function that fills the table was compiled for the width too, so a width that the machine has not is not filled.
-/// Registers of 512 bits have the functions of 256: their own took half as long again to compile, and gave maps that
-/// took 3 to 4 % less of the processor.
-OfShapes filled_by(void (*fill)(RawStages*), std::size_t lanes) {
-    RawStages raw[shape_rows.size()] = {};
-    fill(raw);
-    OfShapes all;
-    for (std::size_t k = 0; k < all.size(); ++k) all[k] = {raw[k], lanes};
-    return all;
+RawKernels filled_by(void (*fill)(RawKernels&)) {
+    RawKernels kernels{};
+    fill(kernels);
+    return kernels;
 }
 
-const OfShapes& stages_at(Isa isa) {
+/// Registers of 512 bits have the kernels of 256, with which maps took 3 to 4 % more of the processor.
+const RawKernels& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {
-        static const OfShapes w256 = filled_by(fill_stages_w256, 4);
+        static const RawKernels w256 = filled_by(fill_stages_w256);
         return w256;
     }
 #endif
-    static const OfShapes w128 = filled_by(fill_stages_w128, 2);
+    static const RawKernels w128 = filled_by(fill_stages_w128);
     return w128;
+}
+
+/// Programs as they run: each is recorded when it is first asked for.
+class Runs {
+public:
+    static const ColumnRun& of(const StageTerms& terms, const RawKernels& kernels, std::uint64_t same) {
+        static Runs runs;
+        const Key key(terms, &kernels, same);
+        {
+            const std::shared_lock lock(runs.mutex_);
+            const auto known = runs.all_.find(key);
+            if (known != runs.all_.end()) return *known->second;
+        }
+        auto run = std::make_unique<ColumnRun>(record_stage(terms), kernels.columns, same);
+        const std::unique_lock lock(runs.mutex_);
+        return *runs.all_.try_emplace(key, std::move(run)).first->second;
+    }
+
+private:
+    using Key = std::tuple<StageTerms, const RawKernels*, std::uint64_t>;
+    std::shared_mutex mutex_;
+    std::map<Key, std::unique_ptr<ColumnRun>> all_;
+};
+
+/// Bit k is set where input k is one number for every problem, or is not there.
+template <class S>
+std::uint64_t same_inputs(const RawProblems<S>& p) {
+    std::uint64_t same = 0;
+    const auto look = [&same](std::size_t input, const RawColumn<S>& column) {
+        if (column.step == 0) same |= std::uint64_t{1} << input;
+    };
+    for (std::size_t k = 0; k < 6; ++k) look(input_of_ray + k, p.ray[k]), look(input_of_ray_low + k, p.ray_low[k]);
+    for (std::size_t k = 0; k < most_stored; ++k)
+        look(input_of_solid + k, p.solid[k]), look(input_of_solid_low + k, p.solid_low[k]);
+    look(input_of_tmin, p.tmin), look(input_of_tmax, p.tmax);
+    static_assert(stage_inputs <= 64);
+    return same;
 }
 
 }  // namespace
 
-const Stages& stages_of(Shape shape, Isa isa) { return stages_at(isa)[static_cast<std::size_t>(shape)]; }
+template <class S>
+void Stage<S>::operator()(const RawProblems<S>& problems) const {
+    if constexpr (std::is_same_v<S, double>) {
+        if (arithmetic == Arithmetic::exact_sums) return kernels->ties[static_cast<std::size_t>(shape)](problems);
+    }
+    const StageTerms terms{.shape = shape,
+                           .words = arithmetic == Arithmetic::one_word ? 1 : 2,
+                           .two_words = problems.two_words,
+                           .matrix = problems.matrix.placed ? problems.matrix : UnderMatrix{},
+                           .ranged = problems.ranged,
+                           .open = problems.ranged ? problems.open : OpenEnds{},
+                           .t = problems.out.t.hi != nullptr,
+                           .distance = problems.out.distance.hi != nullptr};
+    Runs::of(terms, *kernels, same_inputs(problems))(problems);
+}
+template void Stage<float>::operator()(const RawProblems<float>&) const;
+template void Stage<double>::operator()(const RawProblems<double>&) const;
+
+Stages stages_of(Shape shape, Isa isa) {
+    const RawKernels& kernels = kernels_at(isa);
+    const bool has_ties = kernels.ties[static_cast<std::size_t>(shape)] != nullptr;
+    using Exact = Stage<double>;
+    return {.binary64 = {shape, Stage<float>::Arithmetic::one_word, &kernels},
+            .double_double = {shape, Exact::Arithmetic::two_words, &kernels},
+            .ties = has_ties ? Exact{shape, Exact::Arithmetic::exact_sums, &kernels} : Exact{},
+            .unit_directions = kernels.unit_directions,
+            .lanes = kernels.columns.lanes};
+}
 
 }  // namespace lostbits::measure::stages

@@ -7,15 +7,34 @@
 
 namespace lostbits::measure::stages {
 
+/// What proves answers of one shape, in numbers of so many words; of none it is not there.
+template <class S>
+struct Stage {
+    enum class Arithmetic : std::uint8_t { none, one_word, two_words, exact_sums };
+
+    Shape shape{};
+    Arithmetic arithmetic = Arithmetic::none;
+    const RawKernels* kernels = nullptr;
+
+    explicit operator bool() const { return arithmetic != Arithmetic::none; }
+    void operator()(const RawProblems<S>& problems) const;
+    friend bool operator==(const Stage&, const Stage&) = default;
+};
+extern template void Stage<float>::operator()(const RawProblems<float>&) const;
+extern template void Stage<double>::operator()(const RawProblems<double>&) const;
+
 /// The stages of one shape at `isa`, and how many problems they take at a time. What they say is the same to the bit
 /// at every width.
 struct Stages {
-    RawStages kernels;
+    Stage<float> binary64;        ///< binary32 inputs
+    Stage<double> double_double;  ///< one word a number, or two
+    /// Also of rays that touch: one word a number, no matrix and no range.
+    Stage<double> ties;
+    void (*unit_directions)(const RawDirections&);  ///< the same for every shape
     std::size_t lanes;
 };
 
-/// At an instruction set that is available. Those of single numbers, which a test compares, take as long to compile as
-/// a width and are in no program: the narrowest packs stand for them.
-const Stages& stages_of(Shape shape, intersect::simd::Isa isa);
+/// At an instruction set that is available. Of single numbers there are none: the narrowest packs stand for them.
+Stages stages_of(Shape shape, intersect::simd::Isa isa);
 
 }  // namespace lostbits::measure::stages

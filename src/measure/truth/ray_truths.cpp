@@ -117,10 +117,10 @@ private:
     /// where the truths are wanted.
     template <class Place>
     void meet(const ProblemColumns<double>& columns, bool is_first, const Place& place) {
-        const stages::Stages& stages = stages::stages_of(columns.shape, isa_);
+        const stages::Stages stages = stages::stages_of(columns.shape, isa_);
         const InPlace<double> rays(columns);
         const auto ask = [&](const stages::RawFindings& found) {
-            rays.settle(stages.kernels.double_double, stages.lanes, 0, count_, found);
+            rays.settle(stages.double_double, stages.lanes, 0, count_, found);
             for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
         };
         if (is_first) {
@@ -237,20 +237,20 @@ private:
     }
     /// Those left of what was gathered of one shape; keeps those that are left then.
     void settle_gathered(Shape shape, std::vector<std::size_t>& left) {
-        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& together = gathered(shape);
         auto raw = together.added(stages.lanes, two_words);
         raw.open = problems_.rays.open, raw.ranged = ranged_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
-        stages.kernels.double_double(raw);
+        stages.double_double(raw);
         take(together.found, shape, left, [&left](std::size_t k) { return left[k]; });
     }
     void settle_ties(Shape shape, std::vector<std::size_t>& left) {
-        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        const stages::Stages stages = stages::stages_of(shape, isa_);
         const bool are_plain = !two_words && !ranged_ && !matrices_[static_cast<std::size_t>(shape)].placed;
-        if (left.empty() || !stages.kernels.ties || !are_plain) return;
+        if (left.empty() || !stages.ties || !are_plain) return;
         Gathered<double>& ties = Gathered<double>::of_thread();
-        stages.kernels.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
+        stages.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
         take(ties.found, shape, left, [](std::size_t k) { return k; });
     }
     /// What was found of `left`, of each at `place`.

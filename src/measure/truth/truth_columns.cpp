@@ -56,7 +56,7 @@ public:
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
         const bool are_plain = !in_place_.have_ranges_of_their_own() && !problems.matrix.placed;
-        ties_ = are_plain && problems.ray_low[0].empty() ? stages_.kernels.ties : nullptr;
+        ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::Stage<double>();
     }
 
     void find() {
@@ -68,7 +68,7 @@ public:
                 std::iota(open_.begin(), open_.end(), begin);
             } else if constexpr (std::is_same_v<S, float>) {
                 if (terms_.tightness == Tightness::ulps_of_binary32) {
-                    settle_in_place(stages_.kernels.binary64, begin, count);
+                    settle_in_place(stages_.binary64, begin, count);
                     out_.stages.binary64 += count - open_.size();
                 } else {
                     open_.resize(count);
@@ -76,9 +76,9 @@ public:
                 }
                 // The stage for ties takes a third of the time of the other, of numbers that it holds.
                 settle_gathered(ties_);
-                settle_gathered(stages_.kernels.double_double);
+                settle_gathered(stages_.double_double);
             } else {
-                settle_in_place(stages_.kernels.double_double, begin, count);
+                settle_in_place(stages_.double_double, begin, count);
                 out_.stages.double_double += count - open_.size();
                 settle_gathered(ties_);
             }
@@ -88,7 +88,7 @@ public:
 
 private:
     /// Those from `begin` on; what stays open goes into `open_`.
-    void settle_in_place(void (*stage)(const RawProblems<S>&), std::size_t begin, std::size_t count) {
+    void settle_in_place(const stages::Stage<S>& stage, std::size_t begin, std::size_t count) {
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
         stages::RawFindings found{settled, hit + begin, {}, {}};
@@ -97,7 +97,7 @@ private:
         add_open(settled, begin, count, open_);
     }
     /// Those in `open_`, which keeps what stays open, by a stage that may not be there.
-    void settle_gathered(void (*stage)(const RawProblems<double>&)) {
+    void settle_gathered(const stages::Stage<double>& stage) {
         if (!stage || open_.empty()) return;
         auto& gathered = Gathered<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
@@ -146,9 +146,9 @@ private:
     const ProblemColumns<S>& problems_;
     const ColumnTerms& terms_;
     TruthColumns& out_;
-    const stages::Stages& stages_;
+    stages::Stages stages_;
     InPlace<S> in_place_;
-    void (*ties_)(const RawProblems<double>&);  ///< null where they are not to be asked
+    stages::Stage<double> ties_;  ///< none where they are not to be asked
     std::vector<std::size_t> open_;
 };
 

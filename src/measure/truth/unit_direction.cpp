@@ -54,7 +54,7 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
     constexpr std::size_t together = 512;
     double room[3][together];
     std::uint8_t settled[together];
-    const stages::Stages& stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
+    const stages::Stages stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
     const bool native = format == binary32 || format == binary64;
     for (std::size_t begin = 0; begin < directions[0].size(); begin += together) {
         const std::size_t count = std::min(together, directions[0].size() - begin);
@@ -62,7 +62,7 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
         double* const at[3] = {directions[0].data() + begin, directions[1].data() + begin,
                                directions[2].data() + begin};
         if (whole > 0)
-            stages.kernels.unit_directions(
+            stages.unit_directions(
                 {{at[0], at[1], at[2]}, {room[0], room[1], room[2]}, settled, format == binary32, 1, whole});
         for (std::size_t i = 0; i < count; ++i) {
             if (i < whole && settled[i] != 0) {

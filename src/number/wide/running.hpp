@@ -113,6 +113,7 @@ public:
     [[nodiscard]] const W& words() const { return w_; }
     [[nodiscard]] const P& first() const { return Words<W>::first(w_); }
     [[nodiscard]] P second() const { return Words<W>::second(w_); }
+    [[nodiscard]] const P& bound() const { return e_; }
     /// No less than how far x can be from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 

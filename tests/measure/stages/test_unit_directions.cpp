@@ -69,8 +69,8 @@ TEST_CASE("packs settle nearly all unit directions, and none outside of their ra
         Columns out;
         for (auto& column : out) column.resize(n);
         const auto count = [&](bool narrow, double scale) {
-            const auto& stages = measure::stages::stages_of(Shape::sphere, isa);
-            stages.kernels.unit_directions({{all[0].data(), all[1].data(), all[2].data()},
+            const auto stages = measure::stages::stages_of(Shape::sphere, isa);
+            stages.unit_directions({{all[0].data(), all[1].data(), all[2].data()},
                                             {out[0].data(), out[1].data(), out[2].data()},
                                             settled.data(),
                                             narrow,

@@ -73,11 +73,11 @@ public:
 
 private:
     void read_format() {
-        static constexpr std::pair<std::string_view, PlyBytes> formats[] = {{"ascii", PlyBytes::text},
-                                                                            {"binary_little_endian", PlyBytes::little},
-                                                                            {"binary_big_endian", PlyBytes::big}};
-        const auto found = std::ranges::find(formats, lines_.word(), &std::pair<std::string_view, PlyBytes>::first);
-        if (found == std::end(formats)) lines_.fail("the format is ascii, binary_little_endian or binary_big_endian");
+        static constexpr std::pair<std::string_view, PlyBytes> known[] = {{"ascii", PlyBytes::text},
+                                                                          {"binary_little_endian", PlyBytes::little},
+                                                                          {"binary_big_endian", PlyBytes::big}};
+        const auto found = std::ranges::find(known, lines_.word(), &std::pair<std::string_view, PlyBytes>::first);
+        if (found == std::end(known)) lines_.fail("the format is ascii, binary_little_endian or binary_big_endian");
         header_.bytes = found->second;
         has_format_ = true;
     }

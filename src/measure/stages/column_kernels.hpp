@@ -1,0 +1,199 @@
+// The instructions of column programs in registers of one width: loops over plain pointers around the operations of
+// `Running` over packs.
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#include "geometry/first_root.hpp"
+#include "measure/stages/met_spans.hpp"
+#include "measure/stages/problem.hpp"
+#include "measure/stages/raw_stages.hpp"
+#include "number/pack.hpp"
+
+namespace lostbits::measure::stages {
+
+using number::wide::bounded_operands;
+using number::wide::ColumnOperation;
+using number::wide::known_exact;
+
+/// The columns of an instruction: `at(k)` is the pack at which a loop stands, of its k-th operand or result.
+template <class P>
+struct ColumnCursor {
+    double* room;
+    const ColumnOperand* operands;
+    std::size_t pack;
+
+    [[nodiscard]] double* at(std::size_t k) const { return room + operands[k].offset + pack * operands[k].step; }
+    [[nodiscard]] P word(std::size_t k) const { return P::load(at(k)); }
+    [[nodiscard]] mask_t<P> mask(std::size_t k) const { return is_set(word(k)); }
+    void put(std::size_t k, const P& x) const { x.store(at(k)); }
+    void put(std::size_t k, const mask_t<P>& x) const { P(typename P::Words(x.registers())).store(at(k)); }
+
+    /// Decisions are stored as they stand in registers: all bits of a lane, or none.
+    static mask_t<P> is_set(const P& x) { return mask_t<P>(x.words()); }
+};
+
+template <ColumnOperation operation, class P>
+[[gnu::always_inline]] inline void step_of_words(const ColumnCursor<P>& c) {
+    using enum ColumnOperation;
+    using lostbits::abs;
+    using lostbits::max;
+    if constexpr (operation == add) c.put(2, c.word(0) + c.word(1));
+    else if constexpr (operation == subtract) c.put(2, c.word(0) - c.word(1));
+    else if constexpr (operation == multiply) c.put(2, c.word(0) * c.word(1));
+    else if constexpr (operation == divide) c.put(2, c.word(0) / c.word(1));
+    else if constexpr (operation == negate) c.put(1, -c.word(0));
+    else if constexpr (operation == absolute) c.put(1, abs(c.word(0)));
+    else if constexpr (operation == largest) c.put(2, max(c.word(0), c.word(1)));
+    else if constexpr (operation == ColumnOperation::power_below) c.put(1, binade(c.word(0)));
+    else if constexpr (operation == choose) c.put(3, select(c.mask(0), c.word(1), c.word(2)));
+    else if constexpr (operation == less) c.put(2, c.word(0) < c.word(1));
+    else if constexpr (operation == at_most) c.put(2, c.word(0) <= c.word(1));
+    else if constexpr (operation == both) c.put(2, c.mask(0) && c.mask(1));
+    else if constexpr (operation == either) c.put(2, c.mask(0) || c.mask(1));
+    else if constexpr (operation == opposite) c.put(1, !c.mask(0));
+    else if constexpr (operation == order_of_first_words) {
+        const auto order = told_apart(c.word(0), c.word(1), c.word(2));
+        c.put(3, order.less.yes()), c.put(4, order.less.no());
+        c.put(5, order.at_most.yes()), c.put(6, order.at_most.no());
+    } else if constexpr (operation == near_root_of_quartic) {
+        const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
+        c.put(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
+    }
+}
+
+/// The bounded numbers of an instruction, of which `exact` are one word each, as the compiler sees.
+template <class W, unsigned exact, std::size_t count>
+struct BoundedOperands {
+    using E = Running<W>;
+    using P = typename E::P;
+    static constexpr bool has_two = !std::is_same_v<W, P>;
+
+    static constexpr std::size_t place_of(std::size_t operand) {
+        std::size_t place = 0;
+        for (std::size_t k = 0; k < operand; ++k) place += (exact >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
+        return place;
+    }
+    template <std::size_t k>
+    [[gnu::always_inline]] static E load(const ColumnCursor<P>& c) {
+        constexpr std::size_t at = place_of(k);
+        if constexpr ((exact >> k & 1) != 0) return E(W(c.word(at)), P(0));
+        else if constexpr (has_two) return E(W(c.word(at), c.word(at + 1)), c.word(at + 2));
+        else return E(c.word(at), c.word(at + 1));
+    }
+    [[gnu::always_inline]] static void put(const ColumnCursor<P>& c, const E& x) {
+        constexpr std::size_t at = place_of(count);
+        c.put(at, x.first());
+        if constexpr (has_two) c.put(at + 1, x.second());
+        c.put(at + (has_two ? 2 : 1), x.bound());
+    }
+    [[gnu::always_inline]] static void put(const ColumnCursor<P>& c, const Tris<mask_t<P>>& x) {
+        c.put(place_of(count), x.yes()), c.put(place_of(count) + 1, x.no());
+    }
+};
+
+template <ColumnOperation operation, class E, class... Es>
+[[gnu::always_inline]] inline auto result_of(const E& a, const Es&... more) {
+    using enum ColumnOperation;
+    if constexpr (operation == squared) return square(a, more...);
+    else if constexpr (operation == root) return sqrt(a, more...);
+    else if constexpr (operation == sum) return (a + ... + more);
+    else if constexpr (operation == difference) return (a - ... - more);
+    else if constexpr (operation == product) return (a * ... * more);
+    else if constexpr (operation == quotient) return (a / ... / more);
+    else if constexpr (operation == is_less) return (a < ... < more);
+    else if constexpr (operation == is_at_most) return (a <= ... <= more);
+    else if constexpr (operation == ColumnOperation::product_difference) return difference_of_products(a, more...);
+    else if constexpr (operation == ColumnOperation::product_sum) return sum_of_products(a, more...);
+    else if constexpr (operation == ColumnOperation::square_sum) return sum_of_squares(a, more...);
+}
+
+template <ColumnOperation operation, unsigned exact, class W>
+void run_bounded(double* room, const ColumnOperand* operands, std::size_t packs) {
+    using P = typename Running<W>::P;
+    constexpr std::size_t count = bounded_operands(operation);
+    using Operands = BoundedOperands<W, exact, count>;
+    for (std::size_t i = 0; i < packs; ++i) {
+        const ColumnCursor<P> c{room, operands, i};
+        [&]<std::size_t... k>(std::index_sequence<k...>) {
+            Operands::put(c, result_of<operation>(Operands::template load<k>(c)...));
+        }
+        (std::make_index_sequence<count>());
+    }
+}
+template <ColumnOperation operation, class P>
+void run_words(double* room, const ColumnOperand* operands, std::size_t packs) {
+    for (std::size_t i = 0; i < packs; ++i) step_of_words<operation>(ColumnCursor<P>{room, operands, i});
+}
+
+template <class W, ColumnOperation operation>
+void fill_kernels(ColumnKernels::OfOperation& kernels) {
+    using P = typename Running<W>::P;
+    constexpr std::size_t operands = bounded_operands(operation);
+    if constexpr (operands == 0) {
+        kernels.fill(run_words<operation, P>);
+    } else {
+        [&]<std::size_t... exact>(std::index_sequence<exact...>) {
+            const auto fill = [&]<std::size_t one>() {
+                if constexpr (known_exact(one, operands) == one) kernels[one] = run_bounded<operation, one, W>;
+            };
+            (fill.template operator()<exact>(), ...);
+        }
+        (std::make_index_sequence<std::size_t{1} << operands>());
+    }
+}
+template <class W>
+void fill_kernels(ColumnKernels::OfWords& kernels) {
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+        (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
+    }
+    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has none
+}
+
+template <class P>
+struct ColumnMoves {
+    template <class S>
+    static void load(const RawColumn<S>& from, std::size_t first, double* to, std::size_t packs) {
+        for (std::size_t i = 0; i < packs; ++i)
+            P::load(from.from + (first + i * P::lanes) * from.step).store(to + i * P::lanes);
+    }
+    static void repeat(double x, double* to) { P(x).store(to); }
+    static bool is_any(const double* mask, std::size_t packs) {
+        mask_t<P> any = ColumnCursor<P>::is_set(P::load(mask));
+        for (std::size_t i = 1; i < packs; ++i) any = any || ColumnCursor<P>::is_set(P::load(mask + i * P::lanes));
+        return any_of(any);
+    }
+    static void store_mask(const CellsOfColumn& mask, std::uint8_t* to, std::size_t packs) {
+        for (std::size_t i = 0; i < packs; ++i) {
+            bool lanes[P::lanes];
+            ColumnCursor<P>::is_set(at(mask, i)).store(lanes);
+            std::memcpy(to + i * P::lanes, lanes, P::lanes);
+        }
+    }
+    static void store_where(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs) {
+        for (std::size_t i = 0; i < packs; ++i)
+            select(ColumnCursor<P>::is_set(at(mask, i)), at(x, i), P(0)).store(to + i * P::lanes);
+    }
+
+private:
+    static P at(const CellsOfColumn& column, std::size_t pack) { return P::load(column.from + pack * column.step); }
+};
+
+template <class P>
+ColumnKernels column_kernels() {
+    ColumnKernels all{.lanes = P::lanes,
+                      .load_floats = ColumnMoves<P>::template load<float>,
+                      .load_doubles = ColumnMoves<P>::template load<double>,
+                      .repeat = ColumnMoves<P>::repeat,
+                      .is_any = ColumnMoves<P>::is_any,
+                      .store_mask = ColumnMoves<P>::store_mask,
+                      .store_where = ColumnMoves<P>::store_where};
+    fill_kernels<P>(all.of[0]);
+    fill_kernels<TwoWords<P>>(all.of[1]);
+    return all;
+}
+
+}  // namespace lostbits::measure::stages

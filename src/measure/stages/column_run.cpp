@@ -1,0 +1,201 @@
+#include "measure/stages/column_run.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <new>
+
+namespace lostbits::measure::stages {
+
+using number::wide::ColumnInstruction;
+using number::wide::ColumnOperation;
+using number::wide::ColumnPlace;
+using number::wide::ColumnProgram;
+
+namespace {
+
+/// Rays of a block: the columns of most programs stay in the second cache, and what calls of kernels cost is shared.
+constexpr std::size_t block = 128;
+/// Doubles from column to column: not a multiple of 4096 bytes, or the processor takes a load for one of what was just
+/// stored.
+constexpr std::size_t column_step = block + 8;
+constexpr std::size_t most_lanes = 8;
+
+double* room_of_thread(std::size_t doubles) {
+    struct Free {
+        void operator()(double* p) const { ::operator delete[](p, std::align_val_t{64}); }
+    };
+    thread_local std::unique_ptr<double[], Free> room;
+    thread_local std::size_t size = 0;
+    if (size < doubles) {
+        room.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));
+        std::fill_n(room.get(), doubles, 0.0);
+        size = doubles;
+    }
+    return room.get();
+}
+
+}  // namespace
+
+/// Where the columns of a program lie.
+class ColumnRun::Layout {
+public:
+    Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t same)
+        : program_(program), lanes_(lanes), at_(program.columns), constant_at_(program.constants.size()) {
+        for (std::size_t k = 0; k < program.inputs; ++k) at_[k].once = (same >> k & 1) != 0;
+        find_last_uses();
+        for (std::size_t k = 0; k < program.constants.size(); ++k) constant_at_[k] = next_once();
+        for (std::size_t k = 0; k < program.inputs; ++k)
+            if (at_[k].last >= 0) place(at_[k]);
+    }
+    /// Places what an instruction gives where what it takes for the last time has been.
+    void step(const ColumnInstruction& one, std::ptrdiff_t number) {
+        for (std::size_t k = 0; k < one.ins; ++k) release(one.in[k], number);
+        for (std::size_t k = 0; k < one.outs; ++k) {
+            Column& column = of(one.out[k]);
+            column.once = is_once(one);
+            place(column);
+            if (column.last < 0) release(one.out[k], column.last);
+        }
+    }
+    [[nodiscard]] bool is_once(const ColumnInstruction& one) const {
+        return std::all_of(one.in.begin(), one.in.begin() + one.ins,
+                           [this](ColumnPlace place) { return place < 0 || of(place).once; });
+    }
+    [[nodiscard]] ColumnOperand operand(ColumnPlace place) const {
+        if (place < 0) return {constant_at_[static_cast<std::size_t>(-1 - place)], 0};
+        const Column& column = of(place);
+        return {column.offset, column.once ? 0 : static_cast<std::uint32_t>(lanes_)};
+    }
+    [[nodiscard]] bool is_read(std::size_t input) const { return at_[input].last >= 0; }
+    [[nodiscard]] bool is_once(std::size_t input) const { return at_[input].once; }
+    [[nodiscard]] std::size_t size() const { return size_; }
+
+private:
+    struct Column {
+        bool once = false;
+        std::uint32_t offset = 0;
+        std::ptrdiff_t last = -1;  ///< the instruction that reads it last; none before −1
+    };
+    static constexpr std::ptrdiff_t never = std::numeric_limits<std::ptrdiff_t>::max();
+
+    void find_last_uses() {
+        std::ptrdiff_t number = 0;
+        for (const ColumnInstruction& one : program_.instructions) {
+            for (std::size_t k = 0; k < one.ins; ++k)
+                if (one.in[k] >= 0) of(one.in[k]).last = number;
+            ++number;
+        }
+        for (const ColumnPlace place : program_.outputs)
+            if (place >= 0) of(place).last = never;
+    }
+    void place(Column& column) {
+        if (column.once) {
+            column.offset = next_once();
+        } else if (!free_.empty()) {
+            column.offset = free_.back(), free_.pop_back();
+        } else {
+            column.offset = static_cast<std::uint32_t>(size_), size_ += column_step;
+        }
+    }
+    void release(ColumnPlace place, std::ptrdiff_t number) {
+        if (place < 0) return;
+        const Column& column = of(place);
+        if (column.once || column.last != number) return;
+        if (std::ranges::find(free_, column.offset) == free_.end()) free_.push_back(column.offset);
+    }
+    std::uint32_t next_once() {
+        const auto offset = static_cast<std::uint32_t>(size_);
+        size_ += most_lanes;
+        return offset;
+    }
+    Column& of(ColumnPlace place) { return at_[static_cast<std::size_t>(place)]; }
+    [[nodiscard]] const Column& of(ColumnPlace place) const { return at_[static_cast<std::size_t>(place)]; }
+
+    const ColumnProgram& program_;
+    std::size_t lanes_;
+    std::vector<Column> at_;
+    std::vector<std::uint32_t> constant_at_, free_;
+    std::size_t size_ = 0;
+};
+
+ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t same)
+    : kernels_(&kernels) {
+    Layout layout(program, kernels.lanes, same);
+    std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operand;
+    for (std::size_t k = 0; k < program.constants.size(); ++k)
+        constants_.emplace_back(program.constants[k], layout.operand(static_cast<ColumnPlace>(-1 - static_cast<int>(k))).offset);
+    for (std::size_t k = 0; k < program.inputs; ++k) {
+        if (!layout.is_read(k)) continue;
+        (layout.is_once(k) ? once_in_ : each_in_).push_back({k, layout.operand(static_cast<ColumnPlace>(k)).offset});
+    }
+    std::ptrdiff_t number = 0;
+    for (const ColumnInstruction& one : program.instructions) {
+        first_operand.emplace_back(operands_.size(), &one);
+        for (std::size_t k = 0; k < one.ins; ++k) operands_.push_back(layout.operand(one.in[k]));
+        layout.step(one, number++);
+        for (std::size_t k = 0; k < one.outs; ++k) operands_.push_back(layout.operand(one.out[k]));
+    }
+    for (const auto& [first, one] : first_operand) {
+        const bool is_gate = one->operation == ColumnOperation::gate, once = !is_gate && layout.is_once(*one);
+        const auto& of_words = kernels.of[static_cast<std::size_t>(program.words - 1)];
+        const auto& of = of_words[static_cast<std::size_t>(one->operation)];
+        (once ? once_ : each_)
+            .push_back({is_gate ? nullptr : of[one->exact], &operands_[first], is_of_masks(one->operation)});
+    }
+    for (const ColumnPlace place : program.outputs) outputs_.push_back(layout.operand(place));
+    room_ = layout.size();
+}
+
+template <class S>
+void ColumnRun::run(const RawProblems<S>& p) const {
+    const auto column = [&p](std::size_t input) -> const RawColumn<S>& {
+        if (input == input_of_tmin) return p.tmin;
+        if (input == input_of_tmax) return p.tmax;
+        if (input >= input_of_solid_low) return p.solid_low[input - input_of_solid_low];
+        if (input >= input_of_ray_low) return p.ray_low[input - input_of_ray_low];
+        return input >= input_of_solid ? p.solid[input - input_of_solid] : p.ray[input];
+    };
+    const auto load = [&](const std::vector<Input>& inputs, double* room, std::size_t first, std::size_t packs) {
+        for (const Input& one : inputs) {
+            if constexpr (std::is_same_v<S, float>)
+                kernels_->load_floats(column(one.input), first, room + one.offset, packs);
+            else kernels_->load_doubles(column(one.input), first, room + one.offset, packs);
+        }
+    };
+    double* const room = room_of_thread(room_);
+    const std::size_t lanes = kernels_->lanes;
+    for (const auto& [x, offset] : constants_) kernels_->repeat(x, room + offset);
+    load(once_in_, room, 0, 1);
+    for (const Step& step : once_) step.kernel(room, step.operands, 1);
+    for (std::size_t first = 0; first < p.size; first += block) {
+        const std::size_t packs = std::min(block, p.size - first) / lanes;
+        load(each_in_, room, first, packs);
+        run_block(room, packs);
+        const auto cells = [&](std::size_t output) { return CellsOfColumn{room + outputs_[output].offset, outputs_[output].step}; };
+        kernels_->store_mask(cells(output_settled), p.out.settled + first, packs);
+        kernels_->store_mask(cells(output_hit), p.out.hit + first, packs);
+        const auto store = [&](std::size_t output, const RawLength& to) {
+            if (!to.hi) return;
+            double* const columns[3] = {to.hi + first, to.lo + first, to.bound + first};
+            for (std::size_t k = 0; k < 3; ++k)
+                kernels_->store_where(cells(output_hit), cells(output + k), columns[k], packs);
+        };
+        store(output_t, p.out.t);
+        store(output_distance, p.out.distance);
+    }
+}
+
+void ColumnRun::run_block(double* room, std::size_t packs) const {
+    bool are_wanted = true;  // numbers; decisions always are
+    for (const Step& step : each_) {
+        if (!step.kernel) {
+            const bool is_once = step.operands[0].step == 0;
+            are_wanted = are_wanted && kernels_->is_any(room + step.operands[0].offset, is_once ? 1 : packs);
+        } else if (are_wanted || step.is_of_masks) {
+            step.kernel(room, step.operands, packs);
+        }
+    }
+}
+
+}  // namespace lostbits::measure::stages

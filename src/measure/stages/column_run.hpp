@@ -1,0 +1,51 @@
+// Programs of columns, run: rays in blocks, of which each instruction is done for all before the next.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "measure/stages/raw_stages.hpp"
+#include "measure/stages/stage_program.hpp"
+#include "number/wide/column_program.hpp"
+
+namespace lostbits::measure::stages {
+
+/// A program with a room for its columns. What is the same for every ray (constants, columns of one number, and what
+/// comes of them alone) is computed once a batch; the rest shares columns as soon as they are no longer wanted.
+class ColumnRun {
+public:
+    /// `same`: bit k is set where input k is one number for all rays.
+    ColumnRun(const number::wide::ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t same);
+    ColumnRun(const ColumnRun&) = delete;
+    ColumnRun& operator=(const ColumnRun&) = delete;
+
+    void operator()(const RawProblems<float>& problems) const { run(problems); }
+    void operator()(const RawProblems<double>& problems) const { run(problems); }
+
+private:
+    struct Step {
+        ColumnKernels::Kernel kernel;  ///< null of a gate, whose operand is its mask
+        const ColumnOperand* operands;
+        bool is_of_masks;
+    };
+    struct Input {
+        std::size_t input;
+        std::uint32_t offset;
+    };
+    class Layout;
+
+    template <class S>
+    void run(const RawProblems<S>& problems) const;
+    void run_block(double* room, std::size_t packs) const;
+
+    const ColumnKernels* kernels_;
+    std::size_t room_ = 0;  ///< doubles
+    std::vector<ColumnOperand> operands_;
+    std::vector<Step> once_, each_;
+    std::vector<Input> once_in_, each_in_;
+    std::vector<std::pair<double, std::uint32_t>> constants_;
+    std::vector<ColumnOperand> outputs_;
+};
+
+}  // namespace lostbits::measure::stages
