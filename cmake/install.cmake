@@ -54,7 +54,7 @@ $<JOIN:${LOSTBITS_ARITHMETIC_FLAGS}, > -DGLM_FORCE_XYZW_ONLY ${includes}
 endfunction()
 
 # And for its packs: c++ -c mine.cpp -o packs.o @form.flags @form.w256.flags, with packs.o beside mine.cpp above.
-foreach(isa IN LISTS LOSTBITS_ISAS)
+foreach(isa IN LISTS LOSTBITS_PACK_ISAS)
     set(words "$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_DEFINITIONS>")
     set(options "$<FILTER:$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_OPTIONS>,INCLUDE,^-(m|O|ffp|fno)>")
     file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/form.${isa}.flags CONTENT

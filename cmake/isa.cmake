@@ -14,6 +14,23 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
     list(APPEND LOSTBITS_ISAS w256 w512)
 endif()
 
+# The forms over packs take a minute of compiling a width, and a run uses one: a build for this machine alone needs only
+# the widest that it has. A package and the tests have all.
+set(LOSTBITS_PACK_WIDTHS all CACHE STRING "Register widths of the forms over packs: all, or machine (the widest here)")
+set(LOSTBITS_PACK_ISAS ${LOSTBITS_ISAS})
+if(LOSTBITS_PACK_WIDTHS STREQUAL "machine" AND EXISTS /proc/cpuinfo)
+    file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+    set(LOSTBITS_PACK_ISAS w128)
+    if(flags MATCHES " avx2 " AND flags MATCHES " fma ")
+        set(LOSTBITS_PACK_ISAS w256)
+        if(flags MATCHES " bmi2 " AND flags MATCHES " avx512f " AND flags MATCHES " avx512dq " AND flags MATCHES " avx512vl ")
+            set(LOSTBITS_PACK_ISAS w512)
+        endif()
+    endif()
+elseif(NOT LOSTBITS_PACK_WIDTHS MATCHES "^(all|machine)$")
+    message(FATAL_ERROR "LOSTBITS_PACK_WIDTHS is all or machine, not ${LOSTBITS_PACK_WIDTHS}")
+endif()
+
 # lostbits_isa_flags(TARGET ISA): the flags of that width; sources learn it from number/width.hpp.
 function(lostbits_isa_flags name isa)
     string(SUBSTRING ${isa} 1 -1 bits)

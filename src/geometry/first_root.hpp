@@ -2,21 +2,12 @@
 #pragma once
 
 #include "geometry/quartic_chain.hpp"
-#include "number/wide/recorded_running.hpp"
+#include "number/wide/running.hpp"
 
 namespace lostbits {
 
 /// Newton's steps behind the halving.
 inline constexpr int newton_steps = 4;
-
-/// One operation of a program: its steps are those of the function for packs.
-inline number::wide::RecordedWord near_first_root(const QuarticChain<number::wide::RecordedWord>& chain,
-                                                  const number::wide::RecordedWord& begin,
-                                                  const number::wide::RecordedWord& bound, int /*steps*/) {
-    using number::wide::ColumnOperation, number::wide::RecordedWord, number::wide::recorded;
-    return RecordedWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
-                                     chain.q.place(), chain.r.place(), begin.place(), bound.place()));
-}
 
 /// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
 template <class E>
@@ -32,11 +23,12 @@ FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Ru
     using P = typename E::P;
     using lostbits::abs;
     using lostbits::max;
+    using number::wide::is_unset;
     const QuarticChain<E> chain(f);
     const auto from = changes_in(chain.at(begin));
     const auto ahead = roots_between(from, changes_in(chain.at_infinity()), chain.last);
     const E zero(0);
-    if (!any_of(ahead.some)) return {ahead.some, ahead.none, zero, zero, zero};
+    if (is_unset(ahead.some)) return {ahead.some, ahead.none, zero, zero, zero};
     const QuarticChain<P> words(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
     E x(W(near_first_root(words, begin.first(), bound.first(), newton_steps)));
     for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());

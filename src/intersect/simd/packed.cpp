@@ -9,6 +9,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "number/error.hpp"
+#include "lostbits_widths.hpp"  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 
@@ -48,12 +49,16 @@ std::span<const PackedRow> scalar_rows() {
 
 bool runs(Isa isa) {
     switch (isa) {
-        case Isa::scalar:
+        case Isa::scalar: return true;
+#ifdef LOSTBITS_HAS_W128
         case Isa::w128: return true;
-#if defined(__x86_64__)
+#endif
+#ifdef LOSTBITS_HAS_W256
         case Isa::w256: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#endif
+#ifdef LOSTBITS_HAS_W512
         case Isa::w512:
-            return runs(Isa::w256) && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") &&
+            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") &&
                    __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #endif
         default: return false;
@@ -102,18 +107,24 @@ Isa current_isa() { return chosen_isa(); }
 std::span<const PackedRow> packed_rows(Isa isa) {
     if (!runs(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
-#if defined(__x86_64__)
+#ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {
         static RowsOfWidth w256(isa, fill_packed_w256);
         return w256.rows;
     }
+#endif
+#ifdef LOSTBITS_HAS_W512
     if (isa == Isa::w512) {
         static RowsOfWidth w512(isa, fill_packed_w512);
         return w512.rows;
     }
 #endif
+#ifdef LOSTBITS_HAS_W128
     static RowsOfWidth w128(Isa::w128, fill_packed_w128);
     return w128.rows;
+#else
+    return {};
+#endif
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
+#include "lostbits_widths.hpp"  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 namespace {
@@ -112,18 +113,24 @@ ManyRow many_kernels(const table::Intersector& form) {
 std::span<const ManyRow> many_rows(Isa isa) {
     if (packed_rows(isa).empty()) return {};
     if (isa == Isa::scalar) return scalar_many_rows();
-#if defined(__x86_64__)
+#ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {
         static const auto w256 = rows_of(32, fill_many_w256);
         return w256;
     }
+#endif
+#ifdef LOSTBITS_HAS_W512
     if (isa == Isa::w512) {
         static const auto w512 = rows_of(64, fill_many_w512);
         return w512;
     }
 #endif
+#ifdef LOSTBITS_HAS_W128
     static const auto w128 = rows_of(16, fill_many_w128);
     return w128;
+#else
+    return {};
+#endif
 }
 
 }  // namespace lostbits::intersect::simd

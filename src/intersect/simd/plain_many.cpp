@@ -5,11 +5,12 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
+#include "lostbits_widths.hpp"  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
-#if defined(__x86_64__)
+#ifdef LOSTBITS_HAS_W256
     // Filling them takes those registers too.
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "geometry/first_root.hpp"
+#include "geometry/recorded_root.hpp"
 #include "measure/stages/met_spans.hpp"
 #include "measure/stages/problem.hpp"
 #include "measure/stages/raw_stages.hpp"
@@ -18,52 +18,85 @@ namespace lostbits::measure::stages {
 using number::wide::bounded_operands;
 using number::wide::ColumnOperation;
 using number::wide::known_exact;
+using number::wide::word_columns;
 
-/// The columns of an instruction: `at(k)` is the pack at which a loop stands, of its k-th operand or result.
+/// Decisions are stored as they stand in registers: all bits of a lane, or none.
 template <class P>
-struct ColumnCursor {
-    double* room;
-    const ColumnOperand* operands;
-    std::size_t pack;
+mask_t<P> mask_of(const P& x) {
+    return mask_t<P>(x.words());
+}
 
-    [[nodiscard]] double* at(std::size_t k) const { return room + operands[k].offset + pack * operands[k].step; }
+/// The columns of an instruction, in locals: stores cannot change those. Where every operand moves, which most
+/// instructions have, all move alike, and one index is enough.
+template <class P, std::size_t count, bool all_move>
+class ColumnCursor {
+public:
+    ColumnCursor(double* room, const ColumnOperand* operands) {
+        for (std::size_t k = 0; k < count; ++k) columns_[k] = room + operands[k].offset, steps_[k] = operands[k].step;
+    }
+    void move_to(std::size_t pack) { pack_ = pack; }
+
     [[nodiscard]] P word(std::size_t k) const { return P::load(at(k)); }
-    [[nodiscard]] mask_t<P> mask(std::size_t k) const { return is_set(word(k)); }
+    [[nodiscard]] mask_t<P> mask(std::size_t k) const { return mask_of(word(k)); }
     void put(std::size_t k, const P& x) const { x.store(at(k)); }
     void put(std::size_t k, const mask_t<P>& x) const { P(typename P::Words(x.registers())).store(at(k)); }
 
-    /// Decisions are stored as they stand in registers: all bits of a lane, or none.
-    static mask_t<P> is_set(const P& x) { return mask_t<P>(x.words()); }
+private:
+    [[nodiscard]] double* at(std::size_t k) const { return columns_[k] + pack_ * (all_move ? P::lanes : steps_[k]); }
+
+    double* columns_[count];
+    std::size_t steps_[count], pack_ = 0;
 };
 
-template <ColumnOperation operation, class P>
-[[gnu::always_inline]] inline void step_of_words(const ColumnCursor<P>& c) {
-    using enum ColumnOperation;
-    using lostbits::abs;
-    using lostbits::max;
-    if constexpr (operation == add) c.put(2, c.word(0) + c.word(1));
-    else if constexpr (operation == subtract) c.put(2, c.word(0) - c.word(1));
-    else if constexpr (operation == multiply) c.put(2, c.word(0) * c.word(1));
-    else if constexpr (operation == divide) c.put(2, c.word(0) / c.word(1));
-    else if constexpr (operation == negate) c.put(1, -c.word(0));
-    else if constexpr (operation == absolute) c.put(1, abs(c.word(0)));
-    else if constexpr (operation == largest) c.put(2, max(c.word(0), c.word(1)));
-    else if constexpr (operation == ColumnOperation::power_below) c.put(1, binade(c.word(0)));
-    else if constexpr (operation == choose) c.put(3, select(c.mask(0), c.word(1), c.word(2)));
-    else if constexpr (operation == less) c.put(2, c.word(0) < c.word(1));
-    else if constexpr (operation == at_most) c.put(2, c.word(0) <= c.word(1));
-    else if constexpr (operation == both) c.put(2, c.mask(0) && c.mask(1));
-    else if constexpr (operation == either) c.put(2, c.mask(0) || c.mask(1));
-    else if constexpr (operation == opposite) c.put(1, !c.mask(0));
-    else if constexpr (operation == order_of_first_words) {
-        const auto order = told_apart(c.word(0), c.word(1), c.word(2));
-        c.put(3, order.less.yes()), c.put(4, order.less.no());
-        c.put(5, order.at_most.yes()), c.put(6, order.at_most.no());
-    } else if constexpr (operation == near_root_of_quartic) {
-        const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
-        c.put(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
+/// `Step::run(cursor)` for each pack. (Flattened itself: within a lambda of a flattened function GCC leaves calls.)
+template <class P, class Step, bool all_move>
+[[gnu::flatten]] void run_packs(double* room, const ColumnOperand* operands, std::size_t packs) {
+    ColumnCursor<P, Step::columns, all_move> cursor(room, operands);
+    for (std::size_t i = 0; i < packs; ++i) {
+        cursor.move_to(i);
+        Step::run(cursor);
     }
 }
+template <class P, class Step>
+void run(double* room, const ColumnOperand* operands, std::size_t packs) {
+    bool all_move = true;
+    for (std::size_t k = 0; k < Step::columns; ++k) all_move = all_move && operands[k].step != 0;
+    if (all_move) run_packs<P, Step, true>(room, operands, packs);
+    else run_packs<P, Step, false>(room, operands, packs);
+}
+
+template <ColumnOperation operation, class P>
+struct StepOfWords {
+    static constexpr std::size_t columns = word_columns(operation);
+    template <class Cursor>
+    [[gnu::always_inline]] static void run(const Cursor& c) {
+        using enum ColumnOperation;
+        using lostbits::abs;
+        using lostbits::max;
+        if constexpr (operation == add) c.put(2, c.word(0) + c.word(1));
+        else if constexpr (operation == subtract) c.put(2, c.word(0) - c.word(1));
+        else if constexpr (operation == multiply) c.put(2, c.word(0) * c.word(1));
+        else if constexpr (operation == divide) c.put(2, c.word(0) / c.word(1));
+        else if constexpr (operation == negate) c.put(1, -c.word(0));
+        else if constexpr (operation == absolute) c.put(1, abs(c.word(0)));
+        else if constexpr (operation == largest) c.put(2, max(c.word(0), c.word(1)));
+        else if constexpr (operation == ColumnOperation::power_below) c.put(1, binade(c.word(0)));
+        else if constexpr (operation == choose) c.put(3, select(c.mask(0), c.word(1), c.word(2)));
+        else if constexpr (operation == less) c.put(2, c.word(0) < c.word(1));
+        else if constexpr (operation == at_most) c.put(2, c.word(0) <= c.word(1));
+        else if constexpr (operation == both) c.put(2, c.mask(0) && c.mask(1));
+        else if constexpr (operation == either) c.put(2, c.mask(0) || c.mask(1));
+        else if constexpr (operation == opposite) c.put(1, !c.mask(0));
+        else if constexpr (operation == order_of_first_words) {
+            const auto order = told_apart(c.word(0), c.word(1), c.word(2));
+            c.put(3, order.less.yes()), c.put(4, order.less.no());
+            c.put(5, order.at_most.yes()), c.put(6, order.at_most.no());
+        } else if constexpr (operation == near_root_of_quartic) {
+            const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
+            c.put(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
+        }
+    }
+};
 
 /// The bounded numbers of an instruction, of which `exact` are one word each, as the compiler sees.
 template <class W, unsigned exact, std::size_t count>
@@ -77,20 +110,26 @@ struct BoundedOperands {
         for (std::size_t k = 0; k < operand; ++k) place += (exact >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
         return place;
     }
-    template <std::size_t k>
-    [[gnu::always_inline]] static E load(const ColumnCursor<P>& c) {
+    /// Operands and results.
+    static constexpr std::size_t columns(bool is_decision) {
+        return place_of(count) + (is_decision || !has_two ? 2 : 3);
+    }
+    template <std::size_t k, class Cursor>
+    [[gnu::always_inline]] static E load(const Cursor& c) {
         constexpr std::size_t at = place_of(k);
         if constexpr ((exact >> k & 1) != 0) return E(W(c.word(at)), P(0));
         else if constexpr (has_two) return E(W(c.word(at), c.word(at + 1)), c.word(at + 2));
         else return E(c.word(at), c.word(at + 1));
     }
-    [[gnu::always_inline]] static void put(const ColumnCursor<P>& c, const E& x) {
+    template <class Cursor>
+    [[gnu::always_inline]] static void put(const Cursor& c, const E& x) {
         constexpr std::size_t at = place_of(count);
         c.put(at, x.first());
         if constexpr (has_two) c.put(at + 1, x.second());
         c.put(at + (has_two ? 2 : 1), x.bound());
     }
-    [[gnu::always_inline]] static void put(const ColumnCursor<P>& c, const Tris<mask_t<P>>& x) {
+    template <class Cursor>
+    [[gnu::always_inline]] static void put(const Cursor& c, const Tris<mask_t<P>>& x) {
         c.put(place_of(count), x.yes()), c.put(place_of(count) + 1, x.no());
     }
 };
@@ -112,33 +151,34 @@ template <ColumnOperation operation, class E, class... Es>
 }
 
 template <ColumnOperation operation, unsigned exact, class W>
-void run_bounded(double* room, const ColumnOperand* operands, std::size_t packs) {
-    using P = typename Running<W>::P;
-    constexpr std::size_t count = bounded_operands(operation);
+struct BoundedStep {
+    static constexpr std::size_t count = bounded_operands(operation);
+    static constexpr bool decides = operation == ColumnOperation::is_less || operation == ColumnOperation::is_at_most;
     using Operands = BoundedOperands<W, exact, count>;
-    for (std::size_t i = 0; i < packs; ++i) {
-        const ColumnCursor<P> c{room, operands, i};
-        [&]<std::size_t... k>(std::index_sequence<k...>) {
-            Operands::put(c, result_of<operation>(Operands::template load<k>(c)...));
-        }
-        (std::make_index_sequence<count>());
+    static constexpr std::size_t columns = Operands::columns(decides);
+
+    template <class Cursor>
+    [[gnu::always_inline]] static void run(const Cursor& c) {
+        run(c, std::make_index_sequence<count>());
     }
-}
-template <ColumnOperation operation, class P>
-void run_words(double* room, const ColumnOperand* operands, std::size_t packs) {
-    for (std::size_t i = 0; i < packs; ++i) step_of_words<operation>(ColumnCursor<P>{room, operands, i});
-}
+
+private:
+    template <class Cursor, std::size_t... k>
+    [[gnu::always_inline]] static void run(const Cursor& c, std::index_sequence<k...>) {
+        Operands::put(c, result_of<operation>(Operands::template load<k>(c)...));
+    }
+};
 
 template <class W, ColumnOperation operation>
 void fill_kernels(ColumnKernels::OfOperation& kernels) {
     using P = typename Running<W>::P;
     constexpr std::size_t operands = bounded_operands(operation);
     if constexpr (operands == 0) {
-        kernels.fill(run_words<operation, P>);
+        kernels.fill(run<P, StepOfWords<operation, P>>);
     } else {
         [&]<std::size_t... exact>(std::index_sequence<exact...>) {
             const auto fill = [&]<std::size_t one>() {
-                if constexpr (known_exact(one, operands) == one) kernels[one] = run_bounded<operation, one, W>;
+                if constexpr (known_exact(one, operands) == one) kernels[one] = run<P, BoundedStep<operation, one, W>>;
             };
             (fill.template operator()<exact>(), ...);
         }
@@ -162,20 +202,19 @@ struct ColumnMoves {
     }
     static void repeat(double x, double* to) { P(x).store(to); }
     static bool is_any(const double* mask, std::size_t packs) {
-        mask_t<P> any = ColumnCursor<P>::is_set(P::load(mask));
-        for (std::size_t i = 1; i < packs; ++i) any = any || ColumnCursor<P>::is_set(P::load(mask + i * P::lanes));
+        mask_t<P> any = mask_of(P::load(mask));
+        for (std::size_t i = 1; i < packs; ++i) any = any || mask_of(P::load(mask + i * P::lanes));
         return any_of(any);
     }
     static void store_mask(const CellsOfColumn& mask, std::uint8_t* to, std::size_t packs) {
         for (std::size_t i = 0; i < packs; ++i) {
             bool lanes[P::lanes];
-            ColumnCursor<P>::is_set(at(mask, i)).store(lanes);
+            mask_of(at(mask, i)).store(lanes);
             std::memcpy(to + i * P::lanes, lanes, P::lanes);
         }
     }
     static void store_where(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs) {
-        for (std::size_t i = 0; i < packs; ++i)
-            select(ColumnCursor<P>::is_set(at(mask, i)), at(x, i), P(0)).store(to + i * P::lanes);
+        for (std::size_t i = 0; i < packs; ++i) select(mask_of(at(mask, i)), at(x, i), P(0)).store(to + i * P::lanes);
     }
 
 private:

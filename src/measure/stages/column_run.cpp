@@ -124,7 +124,8 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     Layout layout(program, kernels.lanes, same);
     std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operand;
     for (std::size_t k = 0; k < program.constants.size(); ++k)
-        constants_.emplace_back(program.constants[k], layout.operand(static_cast<ColumnPlace>(-1 - static_cast<int>(k))).offset);
+        constants_.emplace_back(program.constants[k],
+                                layout.operand(static_cast<ColumnPlace>(-1 - static_cast<int>(k))).offset);
     for (std::size_t k = 0; k < program.inputs; ++k) {
         if (!layout.is_read(k)) continue;
         (layout.is_once(k) ? once_in_ : each_in_).push_back({k, layout.operand(static_cast<ColumnPlace>(k)).offset});
@@ -172,7 +173,9 @@ void ColumnRun::run(const RawProblems<S>& p) const {
         const std::size_t packs = std::min(block, p.size - first) / lanes;
         load(each_in_, room, first, packs);
         run_block(room, packs);
-        const auto cells = [&](std::size_t output) { return CellsOfColumn{room + outputs_[output].offset, outputs_[output].step}; };
+        const auto cells = [&](std::size_t output) {
+            return CellsOfColumn{room + outputs_[output].offset, outputs_[output].step};
+        };
         kernels_->store_mask(cells(output_settled), p.out.settled + first, packs);
         kernels_->store_mask(cells(output_hit), p.out.hit + first, packs);
         const auto store = [&](std::size_t output, const RawLength& to) {

@@ -6,16 +6,17 @@
 #include <limits>
 
 #include "geometry/capped_span.hpp"
-#include "geometry/first_root.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/joined_span.hpp"
 #include "geometry/quartic_span.hpp"
+#include "geometry/recorded_root.hpp"
 #include "geometry/span.hpp"
 #include "geometry/wall_span.hpp"
 #include "number/wide/recorded_running.hpp"
 
 namespace lostbits::measure::stages {
 
+using number::wide::is_unset;
 using number::wide::RecordedMask;
 using number::wide::RecordedWord;
 using number::wide::Running;
@@ -61,7 +62,7 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s) {
     const auto past = s.h > zero;
     const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
     const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
-    if (!any_of(hit)) return {hit, missed, none, zero};
+    if (is_unset(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, root_of(s, inside.yes(), past.yes())};
 }
 
@@ -80,7 +81,7 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
     const auto missed = (outside.yes() && ((begin.slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
                         (inside.yes() && far_in.no());
     const auto none = P(0) < P(0);
-    if (!any_of(hit)) return {hit, missed, none, zero};
+    if (is_unset(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
 }
 
@@ -170,7 +171,7 @@ Met<Running<W>> first_met(const SlabSpan<Running<W>>& s) {
     const Fraction<Quick> first = first_entry(q);
     const auto at_origin = (first.n <= Quick(0)).yes(), hit = told && in.open.yes(), missed = told && in.closed.no();
     const E one(1);
-    if (!any_of(hit)) return {hit, missed, at_origin, one};
+    if (is_unset(hit)) return {hit, missed, at_origin, one};
     return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
 }
 
@@ -187,7 +188,7 @@ Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const RangeOfSpan<Runni
     const auto at_origin = at_begin && (range.begin <= E(0)).yes();
     const auto hit = told && in.open.yes(), missed = told && in.closed.no();
     const E one(1);
-    if (!any_of(hit)) return {hit, missed, at_origin, one};
+    if (is_unset(hit)) return {hit, missed, at_origin, one};
     const E t = select(at_begin, one, first.n.whole) / select(at_begin, one, first.m.whole);
     return {hit, missed, at_origin, select(at_begin, range.begin, t)};
 }
@@ -199,7 +200,7 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s) {
     const Running<W> zero(0), one(1);
     const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);
     const auto missed = s.closed.no() || (s.at.n < zero).yes();
-    if (!any_of(hit)) return {hit, missed, none, zero};
+    if (is_unset(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
@@ -212,7 +213,7 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Runni
     const auto ends = in_time(order_of(s.at, range.end), range);
     const auto hit = s.open.yes() && to_begin.at_most.no() && ends.yes(), none = P(0) < P(0);
     const auto missed = s.closed.no() || to_begin.less.yes() || ends.no();
-    if (!any_of(hit)) return {hit, missed, none, zero};
+    if (is_unset(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
@@ -230,7 +231,7 @@ Met<E> first_met_of_wall(const WallSpan<E>& s, const Begin& begin, const std::ar
         passed[i] = at.closed.no() || to_begin.less.yes() || in_range[i].no();
     }
     const auto far = passed[0] && met[1], hit = met[0] || far, missed = passed[0] && passed[1];
-    if (!any_of(hit)) return {hit, missed, none, E(1)};
+    if (is_unset(hit)) return {hit, missed, none, E(1)};
     return {hit, missed, none, root_of(s.solid.side, far, (s.solid.side.h > E(0)).yes())};
 }
 template <class W>
@@ -283,7 +284,7 @@ Met<E> first_met_from(const S& s, const Begin& begin, const mask_t<E>& entry_in,
     const auto far = open && enters.less.yes() && exit_in.yes();
     const auto missed = s.is_met().no() || leaves.less.yes() || (enters.at_most.no() && entry_in.no()) ||
                         (enters.less.yes() && exit_in.no());
-    if (!any_of(near || far)) return {none, missed, none, E(1)};
+    if (is_unset(near || far)) return {none, missed, none, E(1)};
     const MetAt<E> at = met_at(s, far);
     return {(near || far) && at.known, missed, none, at.t};
 }

@@ -161,7 +161,7 @@ Finding<P> settle_shape(const InSpace<S<E>, E>& in, const Asked& asked, const Ra
     auto hit = proper && met.hit;
     const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
     Finding<P> found{missed, hit, nothing, nothing};
-    if (!any_of(hit)) return found;
+    if (is_unset(hit)) return found;
     if (asked.t) found.t = taken(met.t, met.at_origin, met.at_origin, hit);
     if (asked.distance) found.distance = taken(met.t * sqrt(in.d2), met.at_origin, met.at_origin, hit);
     found.settled = hit || missed;

@@ -21,7 +21,7 @@ enum class ColumnOperation : std::uint8_t {
     absolute,
     largest,
     power_below,  ///< 2^⌊log2⌋
-    choose,  ///< mask, a, b
+    choose,       ///< mask, a, b
     less,
     at_most,
     // of masks
@@ -72,6 +72,21 @@ inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     }
 }
 
+/// How many columns an operation of words or masks takes and gives.
+inline constexpr std::size_t word_columns(ColumnOperation operation) {
+    using enum ColumnOperation;
+    switch (operation) {
+        case negate:
+        case absolute:
+        case power_below:
+        case opposite: return 2;
+        case choose: return 4;
+        case order_of_first_words:
+        case near_root_of_quartic: return 7;
+        default: return 3;
+    }
+}
+
 /// The operands of which an operation on bounded numbers has a kernel that knows them to be exact: of those that are,
 /// the most. Of two every choice has one; of a cross or dot product the first or second factors, or all, since rays and
 /// solids as they are given are exact.
@@ -98,7 +113,7 @@ struct ColumnInstruction {
 
 /// Instructions over columns of inputs and of constants, which give every number that was asked of them.
 struct ColumnProgram {
-    int words = 1;        ///< of a bounded number
+    int words = 1;           ///< of a bounded number
     std::size_t inputs = 0;  ///< columns 0 to inputs − 1
     std::size_t columns = 0;
     std::vector<double> constants;  ///< of the places −1, −2, …

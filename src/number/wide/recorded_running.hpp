@@ -32,10 +32,12 @@ public:
     friend RecordedMask operator!(const RecordedMask& a) {
         return RecordedMask(recorded(ColumnOperation::opposite, a.place_));
     }
-    /// A program goes both ways: what it computes behind this is wanted where the mask is set in some lane.
-    friend bool any_of(const RecordedMask& a) {
+    /// A program goes every way.
+    friend bool any_of(const RecordedMask&) { return true; }
+    /// What is computed behind this is wanted where the mask is set in some lane, and only there.
+    friend bool is_unset(const RecordedMask& a) {
         ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.place_}});
-        return true;
+        return false;
     }
 
 private:
@@ -194,7 +196,8 @@ private:
         const std::array<const Running*, sizeof...(numbers)> all{&numbers...};
         unsigned exact = 0;
         for (std::size_t k = 0; k < all.size(); ++k) exact |= static_cast<unsigned>(all[k]->is_one_word()) << k;
-        ColumnInstruction one{.operation = operation, .exact = static_cast<std::uint8_t>(known_exact(exact, all.size())), .outs = outs};
+        ColumnInstruction one{
+            .operation = operation, .exact = static_cast<std::uint8_t>(known_exact(exact, all.size())), .outs = outs};
         for (std::size_t k = 0; k < all.size(); ++k) {
             one.in[one.ins++] = all[k]->first().place();
             if ((one.exact >> k & 1) != 0) continue;

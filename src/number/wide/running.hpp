@@ -29,6 +29,13 @@ requires requires(const P& x) { x.words(); }
     return __builtin_constant_p(all) & (static_cast<std::uint64_t>(all) << 1 == 0);
 }
 
+/// Whether a step ends here, since no lane is left: what it would give is wanted where the mask is set, and only there.
+/// (A recorded step goes on, and its program skips what is behind.)
+template <class M>
+bool is_unset(const M& mask) {
+    return !any_of(mask);
+}
+
 /// What `Running` must know of its words: W is P, double or a pack of doubles, or `TwoWords<P>`.
 template <class W>
 struct Words {

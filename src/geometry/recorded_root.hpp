@@ -1,0 +1,18 @@
+// The search for the root of a quartic, recorded.
+#pragma once
+
+#include "geometry/first_root.hpp"
+#include "number/wide/recorded_running.hpp"
+
+namespace lostbits {
+
+/// One operation of a program: its steps are those of the function for packs.
+inline number::wide::RecordedWord near_first_root(const QuarticChain<number::wide::RecordedWord>& chain,
+                                                  const number::wide::RecordedWord& begin,
+                                                  const number::wide::RecordedWord& bound, int /*steps*/) {
+    using number::wide::ColumnOperation, number::wide::RecordedWord, number::wide::recorded;
+    return RecordedWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
+                                     chain.q.place(), chain.r.place(), begin.place(), bound.place()));
+}
+
+}  // namespace lostbits

@@ -1,0 +1,177 @@
+// A stage that was recorded and runs over columns gives every word and bound that its formula gives over one double: of
+// every shape, with and without ranges, matrices and second words, whether columns hold one number or many.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "catch.hpp"
+#include "measure/stages/stage_formula.hpp"
+#include "measure/stages/stages.hpp"
+#include "measure/widths.hpp"
+#include "shapes/solid.hpp"
+
+namespace test_stage_programs {
+
+using namespace lostbits;
+using namespace lostbits::measure::stages;
+using number::wide::TwoWords;
+
+namespace {
+
+constexpr std::size_t rays = 416;  // three blocks and a quarter
+
+double drawn(std::mt19937_64& from, double low, double high) {
+    return low + (high - low) * static_cast<double>(from() >> 11) * 0x1p-53;
+}
+
+/// Rays at a solid near the origin from everywhere: some begin inside, some pass by, some run along an axis. Every
+/// fifth points away, and so do all of the second block, behind which a program skips what no ray wants.
+std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
+    std::mt19937_64 from(23);
+    std::vector<std::array<double, stage_inputs>> all(rays);
+    for (std::size_t i = 0; i < rays; ++i) {
+        auto& p = all[i];
+        const auto spread = [&](double size) { return drawn(from, -size, size); };
+        Solid<double> solid(shape);
+        Solids::each([&]<template <class> class Of>() {
+            if (shape_as<Of> == shape)
+                solid = Solid<double>(
+                    Of<double>::around(Vec<double>(spread(0.5), spread(0.5), spread(0.5)), drawn(from, 1, 2)));
+        });
+        const Vec<double> origin(spread(4), spread(4), spread(4)), aim(spread(1.5), spread(1.5), spread(1.5));
+        const bool away = i % 5 == 4 || i / 128 == 1;
+        for (int k = 0; k < 3; ++k) {
+            const auto at = input_of_ray + static_cast<std::size_t>(k);
+            const double along = k == static_cast<int>(i / 8 % 3) ? 1 : 0;
+            p[at] = away ? 3 * origin[k] : origin[k];
+            p[at + 3] = away ? p[at] : i % 8 == 7 ? along : aim[k] - origin[k];
+        }
+        for (std::size_t k = 0; k < solid.used().size(); ++k) p[input_of_solid + k] = solid.numbers[k];
+        for (std::size_t k = 0; k < Affine<double>::numbers; ++k)
+            p[input_of_solid + most_numbers + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
+        for (std::size_t k = 0; k < 6; ++k) p[input_of_ray_low + k] = p[input_of_ray + k] * 0x1p-55;
+        for (std::size_t k = 0; k < most_stored; ++k) p[input_of_solid_low + k] = p[input_of_solid + k] * -0x1.8p-56;
+        p[input_of_tmin] = i % 3 == 0 ? 0 : drawn(from, 0, 3);
+        p[input_of_tmax] = i % 4 == 0 ? HUGE_VAL : p[input_of_tmin] + drawn(from, 0.5, 6);
+    }
+    return all;
+}
+
+/// The numbers of problems as columns; a column of one number where `one_solid`.
+template <class S>
+class ColumnsOfProblems {
+public:
+    ColumnsOfProblems(std::span<const std::array<double, stage_inputs>> problems, bool one_solid) {
+        for (std::size_t k = 0; k < stage_inputs; ++k)
+            for (const auto& p : problems)
+                columns_[k].push_back(static_cast<S>(is_of_solid(k) && one_solid ? problems.front()[k] : p[k]));
+        one_solid_ = one_solid;
+    }
+    [[nodiscard]] RawProblems<S> raw(const StageTerms& terms) {
+        RawFindings out{settled.data(), hit.data(), {}, {}};
+        if (terms.t) out.t = {t[0].data(), t[1].data(), t[2].data()};
+        if (terms.distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
+        auto p = raw_problems<S>(rays, out);
+        const auto column = [this](std::size_t k) {
+            return RawColumn<S>{columns_[k].data(), is_of_solid(k) && one_solid_ ? std::size_t{0} : std::size_t{1}};
+        };
+        for (std::size_t k = 0; k < 6; ++k)
+            p.ray[k] = column(input_of_ray + k), p.ray_low[k] = column(input_of_ray_low + k);
+        for (std::size_t k = 0; k < most_stored; ++k)
+            p.solid[k] = column(input_of_solid + k), p.solid_low[k] = column(input_of_solid_low + k);
+        p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
+        p.two_words = terms.two_words, p.ranged = terms.ranged, p.open = terms.open, p.matrix = terms.matrix;
+        return p;
+    }
+    [[nodiscard]] double at(std::size_t input, std::size_t i) const { return static_cast<double>(columns_[input][i]); }
+
+    std::vector<std::uint8_t> settled = std::vector<std::uint8_t>(rays), hit = settled;
+    std::array<std::vector<double>, 3> t = {std::vector<double>(rays), std::vector<double>(rays),
+                                            std::vector<double>(rays)},
+                                       distance = t;
+
+private:
+    static bool is_of_solid(std::size_t k) {
+        return (k >= input_of_solid && k < input_of_ray_low) || (k >= input_of_solid_low && k < input_of_tmin);
+    }
+    std::array<std::vector<S>, stage_inputs> columns_;
+    bool one_solid_ = false;
+};
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+struct Counts {
+    std::size_t settled = 0, different = 0;
+};
+
+/// The stage of a shape in columns of S, against its formula over words of W.
+template <template <class> class Of, class S, class W>
+Counts compare(const StageTerms& terms, bool one_solid, const Stage<S>& stage,
+               std::span<const std::array<double, stage_inputs>> problems) {
+    ColumnsOfProblems<S> columns(problems, one_solid);
+    stage(columns.raw(terms));
+    Counts counts;
+    for (std::size_t i = 0; i < rays; ++i) {
+        const Finding<double> alone = settle_inputs<Of, W>(terms, [&](std::size_t k) { return columns.at(k, i); });
+        counts.settled += alone.settled ? 1 : 0;
+        bool same = columns.settled[i] == static_cast<std::uint8_t>(alone.settled);
+        // Where nothing is settled nobody reads whether it hits.
+        if (alone.settled) {
+            same = same && columns.hit[i] == static_cast<std::uint8_t>(alone.hit);
+            const auto length = [&](const Enclosure<double>& x, const std::array<std::vector<double>, 3>& found) {
+                const double wanted[3] = {x.middle.hi, x.middle.lo, x.bound};
+                for (std::size_t k = 0; k < 3; ++k) same = same && same_bits(found[k][i], alone.hit ? wanted[k] : 0.0);
+            };
+            if (terms.t) length(alone.t, columns.t);
+            if (terms.distance) length(alone.distance, columns.distance);
+        }
+        counts.different += same ? 0 : 1;
+    }
+    return counts;
+}
+
+/// Each of the things that change a program, alone and with others.
+std::vector<StageTerms> terms_of(Shape shape, int words) {
+    const StageTerms plain{shape, words, false, {}, false, {}, true, true};
+    std::vector<StageTerms> all{plain, plain, plain, plain, plain, plain, plain};
+    all[1].ranged = true;
+    all[2].ranged = true, all[2].open = {true, true};
+    all[3].matrix = {true, false, 1};
+    all[4].matrix = {true, true, 1}, all[4].ranged = true;
+    all[5].distance = false;
+    all[6].two_words = words == 2, all[6].t = false;
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("stage programs: every shape gives the words and bounds of its formula at every width") {
+    test::at_every_width([](intersect::simd::Isa isa) {
+        Solids::each([&]<template <class> class Of>() {
+            constexpr Shape shape = shape_as<Of>;
+            const auto problems = problems_at(shape);
+            const Stages stages = stages_of(shape, isa);
+            for (const bool one_solid : {false, true}) {
+                for (const StageTerms& terms : terms_of(shape, 1)) {
+                    INFO(row_of(shape).name << ", one word, one solid " << one_solid << ", ranged " << terms.ranged
+                                            << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse);
+                    const Counts found = compare<Of, float, double>(terms, one_solid, stages.binary64, problems);
+                    CHECK(found.different == 0);
+                    CHECK(found.settled > rays / 2);
+                }
+                for (const StageTerms& terms : terms_of(shape, 2)) {
+                    INFO(row_of(shape).name << ", two words, one solid " << one_solid << ", ranged " << terms.ranged
+                                            << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse
+                                            << ", two words each " << terms.two_words);
+                    const Counts found =
+                        compare<Of, double, TwoWords<double>>(terms, one_solid, stages.double_double, problems);
+                    CHECK(found.different == 0);
+                    CHECK(found.settled > rays / 2);
+                }
+            }
+        });
+    });
+}
+
+}  // namespace test_stage_programs
