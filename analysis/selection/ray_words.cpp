@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -220,6 +221,22 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
 }
 
+/// InputError for a range of a ray that holds no t, as in `[rays]` of a scene.
+void require_range(const RayWords& words, const Range<double>& range) {
+    if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
+        throw InputError("--tmin " + words.tmin +
+                         ": a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or leave "
+                         "--tmin out for 0");
+    if (std::isnan(range.tmax))
+        throw InputError("--tmax " + words.tmax +
+                         ": is not a t; write where the ray ends, or leave --tmax out for a ray without end");
+    if (range.holds_any()) return;
+    const std::string options = (words.tmin.empty() ? "" : "--tmin " + words.tmin + " ") + "--tmax " + words.tmax +
+                                (words.open_ends.empty() ? "" : " --open-ends " + words.open_ends);
+    throw InputError(options +
+                     ": leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
+}
+
 AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     std::vector<Solid<double>> solids;
     for (const auto& [shape, text] : words.solids.given())
@@ -242,6 +259,7 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     put_end(words.tmin, "--tmin", "where a range begins; write one number", one.rays.tmin);
     put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);
     one.rays.open = open_ends_named(words.open_ends);
+    require_range(words, one.rays.range(0));
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one)), row.form};
 }

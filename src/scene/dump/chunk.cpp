@@ -61,6 +61,13 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     if (is_there(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
         return bad(slot::tmin,
                    "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
+    if (const Range<double> range = this->range(); !range.holds_any()) {
+        // A range with open ends is empty where its ends are the same.
+        const std::size_t s = is_there(slot::tmax) ? slot::tmax : slot::tmin;
+        return bad(s, fmt::format("the range of this ray begins at tmin = {} and ends at tmax = {}, and no t lies "
+                                  "between; write a tmax above tmin, or leave this ray out",
+                                  range.tmin, range.tmax));
+    }
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
@@ -127,6 +134,11 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
                                       called(slot::t), t, t)};
 }
 
+Range<double> ChunkWriter::range() const {
+    return {is_there(slot::tmin) ? numbers_[slot::tmin] : 0, is_there(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
+            terms_.open};
+}
+
 Solid<double> ChunkWriter::solid() const {
     Solid<double> solid = terms_.under.value_or(Solid<double>(*shape_));
     for (std::size_t k = 0; !terms_.under && k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
@@ -140,8 +152,9 @@ Solid<double> ChunkWriter::solid() const {
 void ChunkWriter::keep() {
     const auto& x = numbers_;
     chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
-    if (layout_.has(slot::tmin)) chunk_.rays.tmin.push_back(is_there(slot::tmin) ? x[slot::tmin] : 0);
-    if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(is_there(slot::tmax) ? x[slot::tmax] : HUGE_VAL);
+    const Range<double> range = this->range();
+    if (layout_.has(slot::tmin)) chunk_.rays.tmin.push_back(range.tmin);
+    if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(range.tmax);
     if (shape_) {
         chunk_.solids.push_back(solid());
     }

@@ -81,6 +81,7 @@ private:
     [[nodiscard]] std::optional<Fault> find_fault_of_answer();
     [[noreturn]] static void fail(const std::string& place, const std::string& why);
     [[nodiscard]] Solid<double> solid() const;  ///< of this record
+    [[nodiscard]] Range<double> range() const;  ///< of its ray
     void keep();
     [[nodiscard]] bool is_there(std::size_t slot) const { return (there_ >> slot & 1) != 0; }
     [[nodiscard]] std::string called(std::size_t slot) const;
