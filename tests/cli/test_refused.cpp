@@ -134,7 +134,7 @@ Files rays_and_tables() {
     return {{"rays.csv", head + good},
             {"word.csv", head + good + "0,0,-5,0,0,1,1,x\n"},
             {"third.csv",
-             "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,-5,0,0,1,1,4,0\n0,0,-5,0,0,1,1,4,-1\n"
+             "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,-5,0,0,1,1,4,0\n0,0,-5,0,0,1,0,,-1\n"
              "0,0,-5,0,0,1,1,4,77\n"},
             {"cells.csv", head + good + "0,0,-5,0,0,1\n"},
             {"head.csv", head},

@@ -101,7 +101,15 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         return bad(slot::object, "write which primitive was hit, counted from 0, and -1 or nothing where none was");
     if (is_there(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
         return bad(slot::object, beyond_the_last(*terms_.primitives));
-    return decides_ ? find_fault_of_answer() : std::nullopt;
+    if (!decides_) return std::nullopt;
+    if (const auto fault = find_fault_of_answer()) return fault;
+    const bool is_told = layout_.has(slot::object) && !shape_;  // else the solid is the record's own
+    if (hits_ && is_told && !(is_there(slot::object) && object >= 0))
+        return bad(slot::object,
+                   fmt::format("the ray is a hit by its {}: write which primitive it hit, counted from 0, "
+                               "or say that it misses",
+                               called(layout_.has(slot::hit) ? slot::hit : slot::t)));
+    return std::nullopt;
 }
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
