@@ -175,6 +175,26 @@ TEST_CASE("a range that decides is in the verdict: what is compared with it, and
     CHECK(has(run(behind).out, "4.5 (open: no hit there)\n"));
 }
 
+TEST_CASE("where the range alone decides a miss, the verdict says where the exact hit lies") {
+    const std::string ball = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,1 -i sphere.unified -f f64 ";
+    const auto says = [&ball](const std::string& range, const std::string& words) {
+        const std::string text = run(ball + range).out;
+        INFO(range << "\n" << text);
+        CHECK(has(text, "a correct miss" + words + "\n"));
+    };
+    says("--tmax 3.5", ". The exact hit at t = 4 lies beyond tmax = 3.5.");
+    says("--tmin 6.5", ". The exact hit at t = 4 lies before tmin = 6.5.");
+    says("--tmin 5 --tmax 5.5",
+         ". The exact hit at t = 4 lies before tmin = 5, and that at t = 6 lies beyond tmax = 5.5.");
+    says("--tmax 4 --open-ends tmax", ". The exact hit at t = 4 lies at tmax = 4, which is open.");
+    says("--tmin 7 --tmax 8", ". The exact hit at t = 4 lies before tmin = 7.");
+    const std::string beside = run("explain --sphere 0,9,5,1 --ray 0,0,0,0,0,1 -i sphere.unified --tmax 3").out;
+    CHECK(has(beside, "a correct miss.\n"));
+    // A form of unit directions tells a distance, and its range is one.
+    const std::string unit = run("explain --sphere 0,0,5,1 --ray 0,0,0,0,0,2 -i sphere.unified_unit --tmax 1.5").out;
+    CHECK(has(unit, "The exact hit at t = 4 lies beyond tmax = 3."));
+}
+
 TEST_CASE("where rounding turned which of two solids comes first, that is said, and which is off by more") {
     // Without rounding the large sphere is met at 6.6e-5 and the small one at 1e-4; in binary32 at 1.4e-4 and 1e-4.
     const std::string what =

@@ -219,6 +219,28 @@ std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& for
     return found;
 }
 
+/// Where the ray hits truly if its range is another; nothing where it misses.
+std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
+                             const intersect::Info& info) {
+    scene::rays::RayGroup group = scene::rays::group_of(in.all.rays[in.index]);
+    group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open = range.open;
+    for (std::size_t i = 0; i < in.all.solids.size(); ++i) group.solids.push_back(in.all.solids[i]);
+    group.march = in.all.march;
+    OneRay other(std::move(group));
+    other.judge_by(ray.judged());
+    if (!other.truth(info).is_hit()) return {};
+    return other.rounded_truth(info, binary64);
+}
+
+/// Of a ray that truly misses: whether its range alone is the reason.
+void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inputs& in) {
+    const Range<double> range = in.all.rays.range(in.index);
+    if (range.is_whole() || !range.holds_any()) return;
+    const intersect::Info& info = *x.form->info;
+    x.beyond_end = hit_in({range.tmin, HUGE_VAL, {.tmin = range.open.tmin}}, ray, in, info);
+    x.before_begin = hit_in({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
+}
+
 }  // namespace
 
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
@@ -331,6 +353,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         reach = ray.reach(*form.info, format);
         x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
     }
+    if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(x, ray, in);
     const int met = answers.object[in.index];
     const bool elsewhere =
         x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && !ray.meets_first(met, *form.info);

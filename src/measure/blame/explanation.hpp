@@ -58,7 +58,9 @@ struct Explanation {
     Standing standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
-    std::optional<double> true_t = {};     ///< t*, correctly rounded to binary64
+    std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
+    /// Where a ray that truly misses would hit if its range had no end, and if it began at 0, as the form tells t.
+    std::optional<double> beyond_end = {}, before_begin = {};
     double condition = 0;                  ///< κ; NaN for a miss
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
     double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`

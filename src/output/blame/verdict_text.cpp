@@ -51,6 +51,27 @@ std::string outcome_sentence(const Explanation& x) {
                        is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
 }
 
+/// `beyond tmax = 3.9`, `before tmin = 5`; at an open end, or where the ray ends on a surface, `at tmax = 4`.
+std::string outside_words(double t, const char* beyond, const char* name, double end, bool open) {
+    if (t != end) return fmt::format("{} {} = {}", beyond, name, number_words(end));
+    return fmt::format("at {} = {}, {}", name, number_words(end),
+                       open ? "which is open" : "where touching is not a hit");
+}
+
+/// Of a ray that truly misses for its range alone: where it would be hit.
+std::string range_sentence(const Explanation& x) {
+    std::vector<std::string> lies;
+    const auto add = [&](const std::optional<double>& t, const char* beyond, const char* name, double end, bool open) {
+        if (t)
+            lies.push_back(
+                fmt::format("at t = {} lies {}", number_words(*t), outside_words(*t, beyond, name, end, open)));
+    };
+    add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
+    add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
+    if (lies.empty()) return "";
+    return fmt::format(" The exact hit {}{}.", lies.front(), lies.size() > 1 ? ", and that " + lies.back() : "");
+}
+
 /// The form hits another solid than the ray: which, what it says of the right one, and how to look at that.
 std::string wrong_solid_sentence(const Explanation& x) {
     const measure::blame::TrueSolid& missed = *x.missed;
@@ -311,7 +332,8 @@ std::string mesh_sentence(const Explanation& x) {
 std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
 ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
-    std::string answer = outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x);
+    std::string answer =
+        outcome_sentence(x) + range_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x);
     answer.pop_back();
     return {.answer = std::move(answer),
             .loss = whose_loss(x, march),
