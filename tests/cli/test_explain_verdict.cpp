@@ -172,7 +172,7 @@ TEST_CASE("a range that decides is in the verdict: what is compared with it, and
         "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmin 4.5 --open-ends tmin -i sphere.press ";
     CHECK(has(run(behind + "--c").out, "t_in_range"));
     CHECK(nlohmann::json::parse(run(behind + "--json").out)["t"]["decimal"] == 6);
-    CHECK(has(run(behind).out, "4.5 (open: no hit there)\n"));
+    CHECK(has(run(behind).out, "4.5 (open: a surface there does not count)\n"));
 }
 
 TEST_CASE("where the range alone decides a miss, the verdict says where the exact hit lies") {
@@ -193,6 +193,18 @@ TEST_CASE("where the range alone decides a miss, the verdict says where the exac
     // A form of unit directions tells a distance, and its range is one.
     const std::string unit = run("explain --sphere 0,0,5,1 --ray 0,0,0,0,0,2 -i sphere.unified_unit --tmax 1.5").out;
     CHECK(has(unit, "The exact hit at t = 4 lies beyond tmax = 3."));
+}
+
+TEST_CASE("a ray that begins inside of a box answers where it begins, and no input moves that") {
+    const std::string box = "explain --box=-1,-1,-1,1,1,1 --ray 0,0,-5,0,0,1 -i box.signs ";
+    // The far face is at t = 6, too.
+    for (const std::string range : {"--tmin 6", "--tmin 5"}) {
+        const std::string text = run(box + range).out;
+        INFO(text);
+        CHECK(has(text, "Condition 0: half an ulp in each input would cost 0.0 bits. Less than one bit is lost."));
+    }
+    // The near face is at t = 4: an input may move that.
+    CHECK_FALSE(has(run(box + "--tmin 4").out, "would cost 0.0 bits"));
 }
 
 TEST_CASE("where rounding turned which of two solids comes first, that is said, and which is off by more") {

@@ -94,8 +94,8 @@ private:
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
                                       intersect::Convention convention) const;
-    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, Length length, const FloatFormat& format,
-                                  Perturbed perturbed) const;
+    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, intersect::Convention convention, Length length,
+                                  const FloatFormat& format, Perturbed perturbed) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/missing.hpp"
@@ -211,13 +212,18 @@ double Band::condition(std::size_t i, Convention convention) const {
     return apart ? apart->condition : condition_[i];
 }
 
-double Band::reach_of(std::size_t i, const Truth& found, Length length, const FloatFormat& format,
-                      Perturbed perturbed) const {
+double Band::reach_of(std::size_t i, const Truth& found, Convention convention, Length length,
+                      const FloatFormat& format, Perturbed perturbed) const {
     if (!found.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const auto solid = solids[static_cast<std::size_t>(found.object)];
         const Certified& answer = length == Length::distance ? found.distance : found.t;
-        return lostbits::measure::truth::reach(ray, solid, answer, length, format, perturbed);
+        const double tmin = range(i).tmin;
+        const bool begins_inside = tmin > 0 &&
+                                   intersect::answers_0_inside(solid.shape, convention.of(solid.shape).inside) &&
+                                   std::ldexp(found.t.hi, static_cast<int>(found.t.exponent)) == tmin;
+        return lostbits::measure::truth::reach(ray, solid, answer, length, format, perturbed,
+                                               begins_inside ? MovedBy::entered_faces : MovedBy::every_face);
     });
 }
 
@@ -227,7 +233,7 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction un
     const auto& known = of.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
     const bool closed = !known.empty() && !(convention.is_special() && asks_anew(i, convention)) &&
                         find_apart(i, convention) == nullptr;
-    return closed ? known[i] : reach_of(i, truth(i, convention), length, of.format.parameters, perturbed);
+    return closed ? known[i] : reach_of(i, truth(i, convention), convention, length, of.format.parameters, perturbed);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
@@ -240,7 +246,7 @@ void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
             intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
                 limit_.stop.check();
                 for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    all[i] = reach_of(i, truths_[i], length, in.format.parameters, perturbed);
+                    all[i] = reach_of(i, truths_[i], {}, length, in.format.parameters, perturbed);
             });
         }
     }

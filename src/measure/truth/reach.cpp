@@ -111,9 +111,13 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
 struct Slab {
     Differentiated from_low, from_high, across;
 
-    [[nodiscard]] double moved(const Perturbable& problem) const {
+    [[nodiscard]] double moved(const Perturbable& problem, MovedBy moved_by = MovedBy::every_face) const {
         if (across.value().value() == 0) return 0;
-        return std::max(moved_quotient(problem, from_low, across), moved_quotient(problem, from_high, across));
+        const AllValues speed(across.value());
+        const bool all = moved_by == MovedBy::every_face;
+        const double low = all || speed.high > 0 ? moved_quotient(problem, from_low, across) : 0,
+                     high = all || speed.low < 0 ? moved_quotient(problem, from_high, across) : 0;
+        return std::max(low, high);
     }
 };
 
@@ -127,10 +131,12 @@ Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, con
 /// Of a solid between planes along the axes t is where one of them is met, the largest or the smallest: it moves as far
 /// as any that can come to where it is.
 template <class Shape>
-double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray) {
+double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
+                             MovedBy moved_by) {
     double most = 0;
     for (int i = 0; i < 3; ++i)
-        most = std::max(most, Slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i]}.moved(problem));
+        most = std::max(
+            most, Slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i]}.moved(problem, moved_by));
     return most;
 }
 
@@ -200,19 +206,19 @@ private:
 /// with caps, of which t is on a root or a cap and moves as far as either can come to where it is, or by its span
 /// alone.
 template <class Shape>
-double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray) {
-    if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray);
+double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, MovedBy moved_by) {
+    if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray, moved_by);
     else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).moved();
     else if constexpr (requires { s.base; })
         return std::max(moved_root(problem, s.span(ray).side), slab_of(s.base, s.top, ray).moved(problem));
     else return moved_root(problem, s.span(ray));
 }
 
-double reach_of(const ProblemNumbers& numbers, const Certified& answer) {
+double reach_of(const ProblemNumbers& numbers, const Certified& answer, MovedBy moved_by) {
     const Perturbable problem(numbers);
     const WithinErrors at = problem.of(answer);
     const double root = problem.with_ray_from(
-        at, [&](const auto& shape, const Ray<Differentiated>& ray) { return moved_at(problem, shape, ray); });
+        at, [&](const auto& shape, const Ray<Differentiated>& ray) { return moved_at(problem, shape, ray, moved_by); });
     if (root == 0) return 0;
     const double across = problem.across(at), most = root < across ? root : across;
     const auto e = std::clamp<std::int64_t>(problem.time() - exponent_of_unit(answer), -5000, 5000);
@@ -222,12 +228,12 @@ double reach_of(const ProblemNumbers& numbers, const Certified& answer) {
 }  // namespace
 
 double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed) {
-    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer);
+             const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
+    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer, moved_by);
 }
 double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed) {
-    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer);
+             const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
+    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer, moved_by);
 }
 
 }  // namespace lostbits::measure::truth

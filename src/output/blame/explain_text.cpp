@@ -37,7 +37,7 @@ std::string inputs_block(const Explanation& x) {
         return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
                            file::decimal(x.inputs[i]), what);
     };
-    const auto kind = [](bool open) { return open ? " (open: no hit there)" : " (closed)"; };
+    const auto kind = [](bool open) { return open ? " (open: a surface there does not count)" : " (closed)"; };
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (x.names[i] == "ray.tmin") begin = line(i, kind(x.range.open.tmin));
         else if (x.names[i] == "ray.tmax")
