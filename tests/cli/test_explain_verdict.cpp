@@ -207,6 +207,13 @@ TEST_CASE("a ray that begins inside of a box answers where it begins, and no inp
     CHECK_FALSE(has(run(box + "--tmin 4").out, "would cost 0.0 bits"));
 }
 
+}
+
+TEST_CASE("a camera's ray that is not a number is laid to the camera's operation") {
+    const std::string text = run("explain camera-far.endless --pixel 96,96 -i sphere.unified@ray-glm").out;
+    INFO(text);
+    CHECK_FALSE(has(text, "is normalised"));
+    CHECK_FALSE(has(text, "The input d.x"));
 TEST_CASE("where rounding turned which of two solids comes first, that is said, and which is off by more") {
     // Without rounding the large sphere is met at 6.6e-5 and the small one at 1e-4; in binary32 at 1.4e-4 and 1e-4.
     const std::string what =

@@ -241,6 +241,9 @@ void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inp
     x.before_begin = hit_in({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
 }
 
+/// The same number, or NaN both.
+bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
 }  // namespace
 
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
@@ -315,7 +318,8 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const truth::Truth& truth = ray.truth(*form.info);
     Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.keeps(in), .judged = ray.judged()};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
-    if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
+    if (!is_same(given.x, received.x) || !is_same(given.y, received.y) || !is_same(given.z, received.z))
+        x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
     const std::size_t solid =
         answer::measured_at(in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);

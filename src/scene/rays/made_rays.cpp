@@ -1,5 +1,7 @@
 #include "scene/rays/made_rays.hpp"
 
+#include <cmath>
+
 #include "intersect/table/joined_tapes.hpp"
 #include "number/with_number.hpp"
 #include "scene/file/stretch.hpp"
@@ -156,9 +158,10 @@ void RecordedRay::put_before(Tape& form) const {
 }
 
 bool RecordedRay::lead(Tape& form) const {
+    const auto is_same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     for (const TapeNode& n : form.nodes) {
         const auto k = static_cast<std::size_t>(n.operands[0]);
-        if (n.op == TapeOp::input && k < ray.size() && tape[ray[k]].value != n.value) return false;
+        if (n.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, n.value)) return false;
     }
     put_before(form);
     return true;
