@@ -207,6 +207,15 @@ TEST_CASE("a ray that begins inside of a box answers where it begins, and no inp
     CHECK_FALSE(has(run(box + "--tmin 4").out, "would cost 0.0 bits"));
 }
 
+TEST_CASE("where the form does so even without rounding no operation is to blame, of a NaN too") {
+    const std::string what = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,0 -i sphere.unified ";
+    const std::string text = run(what).out;
+    INFO(text);
+    CHECK(has(text,
+              "No operation is to blame: b'/a is not a number even without rounding. Everything after it "
+              "follows from that."));
+    CHECK_FALSE(has(text, "\n* "));
+    CHECK(nlohmann::json::parse(run(what + "--json").out)["culprit"].is_null());
 }
 
 TEST_CASE("a camera's ray that is not a number is laid to the camera's operation") {

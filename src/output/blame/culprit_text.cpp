@@ -175,6 +175,11 @@ std::string culprit_sentence(const Explanation& x) {
     const bool blamed = operation_to_blame(x) != no_node;
     if (!std::isfinite(n.value) && !blamed && x.standing.outcome == measure::answer::Outcome::agree_hit)
         return fmt::format("{} is {}, and so is the true t when it is rounded.", what, number_words(n.value));
+    if (std::isnan(n.value) && std::isnan(words.of(a.culprit).exact) && !blamed)
+        return fmt::format(
+            "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
+            "that.",
+            what);
     if (!std::isfinite(n.value))
         return fmt::format("{} is {}. Everything after it follows from that.", what, number_words(n.value));
     if (measure::blame::is_on_purpose(n.op))

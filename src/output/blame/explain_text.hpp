@@ -67,7 +67,8 @@ inline constexpr double worth_saying = 1;
 
 /// The operation to blame: rounding in the form turned a decision that is wrong, or the order of two primitives, made a
 /// value that is not a number, or costs a bit or more of an answer that lost one. None where a decision is right, and
-/// of what a march stops short and the format does to the inputs, which no operation lost.
+/// of what a march stops short and the format does to the inputs, which no operation lost, and where a value is not a
+/// number even without rounding.
 NodeId operation_to_blame(const measure::blame::Explanation& x);
 
 /// Whether the roundings of the operations make what is lost, so that wider arithmetic on the same inputs would keep

@@ -170,6 +170,7 @@ std::string no_blame_sentence(const Explanation& x, bool marches) {
                            a.exact_hit ? "hit" : "miss");
     if (!x.tells_t() && right) return "No operation is to blame: the decision is right.";
     if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
+    if (x.standing.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.hit != a.exact_hit && a.cut_short)
         return "No operation is to blame alone: without rounding the march would have gone on.";
     if (!hit && turned) return "Its true answer is open, so no operation is to blame.";
@@ -303,7 +304,7 @@ NodeId operation_to_blame(const Explanation& x) {
     else if (outcome == Outcome::agree_hit) blamed = lost && (overflowed || !rounds_little(x));
     else if (outcome == Outcome::wrong_object && x.rounding_turned_order() && a.exact_hit)
         blamed = std::fabs(a.error) >= std::fabs(x.missed->hit ? x.missed->t - x.missed->exact_t : HUGE_VAL);
-    else blamed = overflowed && outcome == Outcome::not_a_number;
+    else blamed = overflowed && outcome == Outcome::not_a_number && !std::isnan(a[a.culprit].exact);
     return blamed ? a.culprit : no_node;
 }
 
