@@ -40,7 +40,10 @@ std::string amplifier_text(const Explanation& x, const OperationWords& words) {
     const TapeNode& a = x.tape[amplifier];
     std::string text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier),
                                    words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
-    for (const NodeId operand : a.operands) {
+    const auto& operands = a.operands;
+    for (auto place = operands.begin(); place != operands.end(); ++place) {
+        const NodeId operand = *place;
+        if (std::find(operands.begin(), place, operand) != place) continue;  // said, as of fma(b, b, c)
         if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
         const std::string off = ulps_or_nothing(std::fabs(words.own_ulps(operand, words.of(operand).error)));
         if (!off.empty()) text += fmt::format("; {} was already off by {}", words.text().operand(operand), off);
