@@ -1,5 +1,7 @@
 #include "measure/contract/probe.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -110,6 +112,46 @@ void try_threads(Trial& trial) {
                "four threads at once have other answers; say LB_ONE_THREAD (one_thread)");
 }
 
+/// A mistake about a shape's length, of a radius: what a form makes of it, and the words for that.
+struct TakenLength {
+    double (*change)(double);
+    const char *words, *mend;  ///< {0} is the key
+};
+constexpr TakenLength taken_lengths[]{
+    {[](double x) { return std::sqrt(x); }, "the {0} is taken for its square", "; hand over {0} * {0}"},
+    {[](double x) { return x * x; }, "the {0} is squared once too often", ""},
+    {[](double x) { return 2 * x; }, "the {0} is taken twice (a diameter?)", "; hand over {0}, not 2 * {0}"},
+    {[](double x) { return x / 2; }, "the {0} is taken for a diameter", "; hand over 2 * {0}"}};
+
+/// Rays whose answers tell mistakes about a length apart: the plainest and one beside it, at two lengths, since twice 2
+/// is its square.
+std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
+    Question aside = along(shape, -8, 1);
+    aside.ray[0] = 0.5, aside.ray[1] = 0.25;
+    std::vector<Question> all{along(shape, -5, 1), aside};
+    for (Question q : {all[0], all[1]}) {
+        q.solid[number] *= 0.75;
+        all.push_back(q);
+    }
+    return all;
+}
+
+/// What the answers of a form say that it makes of the length; nothing where no mistake fits all of them.
+const TakenLength* find_taken_length(const Trial& trial, std::size_t number) {
+    std::vector<std::pair<Question, Reply>> asked;
+    for (const Question& q : rays_at_lengths(trial.shape, number)) asked.emplace_back(q, trial.ask(q));
+    const auto explains = [&](const TakenLength& mistake) {
+        return std::ranges::all_of(asked, [&](const auto& one) {
+            auto [q, r] = one;
+            q.solid[number] = mistake.change(q.solid[number]);
+            const auto ends = ends_of(q, trial.shape);
+            return ends ? r.hit == 1 && is_answer(r.near, ends->near) : r.hit == 0;
+        });
+    };
+    const auto found = std::ranges::find_if(taken_lengths, explains);
+    return found == std::end(taken_lengths) ? nullptr : &*found;
+}
+
 /// Near as it is told, of a ray that comes from outside.
 void try_t(Trial& trial) {
     const Reply plain = trial.ask(along(trial.shape, -5, 1));
@@ -117,22 +159,10 @@ void try_t(Trial& trial) {
     const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words(trial.shape) +
                        ": 3 is right, it says " + text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
-        Question aside = along(trial.shape, -8, 1);
-        aside.ray[0] = 0.5, aside.ray[1] = 0.25;
-        const Reply other = trial.ask(aside);  // a guess that the plainest ray gives is tested on another
-        const auto is_as_of = [&](double size) {
-            const auto fits = [&](Question q, const Reply& r) {
-                q.solid[length->number] = size;
-                const auto ends = ends_of(q, trial.shape);
-                return ends ? r.hit == 1 && is_answer(r.near, ends->near) : r.hit == 0;
-            };
-            return fits(along(trial.shape, -5, 1), plain) && fits(aside, other);
-        };
-        const std::string key(length->key->name), the = "the " + key + " is ";
-        if (is_as_of(std::sqrt(2.0)))
-            return trial.broken(the + "taken for its square" + where + "; hand over " + key + " * " + key);
-        if (is_as_of(4)) return trial.broken(the + "squared once too often" + where);
-        if (is_as_of(1)) return trial.broken(the + "taken for a diameter" + where + "; hand over 2 * " + key);
+        if (const TakenLength* const found = find_taken_length(trial, length->number)) {
+            const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
+            return trial.broken(text(found->words) + where + text(found->mend));
+        }
     }
     if (is_answer(plain.near, 7)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
@@ -140,19 +170,30 @@ void try_t(Trial& trial) {
     trial.broken("t is something else" + where);
 }
 
+/// A t that is wrong may halve as it should, or be a distance all the same: it is compared with the form's own.
 void try_direction(Trial& trial) {
     if (trial.contract.direction == Direction::unit)
         return trial.kept("takes unit directions, and is asked about no others");
-    const Reply twice = trial.ask(along(trial.shape, -5, 2));
+    const Reply plain = trial.ask(along(trial.shape, -5, 1)), twice = trial.ask(along(trial.shape, -5, 2));
     if (twice.hit != 1)
-        return trial.broken("a direction twice as long misses; say LB_UNIT (unit_direction, direction=unit)");
+        return trial.broken("a direction twice as long misses, and it should hit" +
+                            std::string(trial.tells_t ? " at half the t" : "") +
+                            ": the formula may take its length for 1");
     if (!trial.tells_t) return trial.kept("of any length: twice as long hits as well");
-    if (is_answer(twice.near, 1.5)) return trial.kept("of any length: twice as long, half the t");
-    trial.broken(is_answer(twice.near, 3)
-                     ? "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
-                       "say LB_UNIT (unit_direction, direction=unit)"
-                     : "a direction twice as long gives t = " + text_of(twice.near) +
-                           " where 1.5 is right; say LB_UNIT (unit_direction, direction=unit)");
+    if (is_answer(twice.near, plain.near / 2)) return trial.kept("of any length: twice as long, half the t");
+    const Reply further = trial.ask(along(trial.shape, -8, 1));
+    const bool is_unchanged = is_answer(twice.near, plain.near),
+               is_distance = is_unchanged && further.hit == 1 && is_answer(further.near, plain.near + 3);
+    if (is_distance)
+        return trial.broken(
+            "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
+            "say LB_UNIT (unit_direction, direction=unit)");
+    const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
+    if (!is_answer(plain.near, 3)) return trial.told(gives + ", and one of length 1 is wrong already");
+    trial.broken(gives + " where 1.5 is right" +
+                 (is_unchanged ? ""
+                               : ": its length enters t in another way than as a divisor; the formula may take it "
+                                 "for 1"));
 }
 
 void try_far(Trial& trial) {
@@ -282,9 +323,13 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     const bool both = trial.contract.roots == Roots::both;
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
-    trial.probe("batches", try_batches);
-    trial.probe("solids", try_solids);
-    if (!trial.says(LB_ONE_THREAD)) trial.probe("threads", try_threads);
+    if (trial.breaks("again")) {
+        trial.told("batches, solids and threads compare answers that have to be the same, and are not judged");
+    } else {
+        trial.probe("batches", try_batches);
+        trial.probe("solids", try_solids);
+        if (!trial.says(LB_ONE_THREAD)) trial.probe("threads", try_threads);
+    }
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
         hits = t.ask(along(t.shape, -5, 1)).hit == 1;
@@ -294,20 +339,30 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
+    const bool t_is_right = !trial.breaks("t");
+    std::string held_back;
+    const auto probe_of_t = [&](const char* name, const auto& probe, bool asked = true) {
+        if (!asked) return;
+        if (t_is_right) trial.probe(name, probe);
+        else held_back += (held_back.empty() ? "" : ", ") + std::string(name);
+    };
     trial.probe("direction", try_direction);
-    if (both) trial.probe("far", try_far);
-    if (is_crossed_twice(trial.shape)) trial.probe("inside", try_inside);
-    trial.probe("behind", try_behind);
+    probe_of_t("far", try_far, both);
+    probe_of_t("inside", try_inside, is_crossed_twice(trial.shape));
+    if (trial.contract.roots == Roots::near_only) probe_of_t("behind", try_behind);
+    else trial.probe("behind", try_behind);
     trial.probe("aside", try_aside);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);
-    trial.probe("touching", try_touching);
+    probe_of_t("touching", try_touching);
     if (is_flat(trial.shape)) trial.probe("within", try_within);
-    trial.probe("at-origin", try_at_origin);
-    if (trial.tells_t) trial.probe("close", try_close);
+    probe_of_t("at-origin", try_at_origin);
+    probe_of_t("close", try_close, trial.tells_t);
     trial.probe("end", try_end);
-    if (trial.says(LB_RANGE)) trial.probe("range", try_range);
-    trial.probe("scale", try_scale);
+    probe_of_t("range", try_range, trial.says(LB_RANGE));
+    probe_of_t("scale", try_scale);
     if (!trial.says_broken()) trial.probe("rays", try_rays);  // else what is wrong is known, and would be told again
+    if (!held_back.empty())
+        trial.probe("t", [&](Trial& t) { t.told("what follows from a wrong t is not judged: " + held_back); });
     try_odd_numbers(trial);
     return std::move(trial.findings);
 }

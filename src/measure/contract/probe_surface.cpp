@@ -232,10 +232,13 @@ struct FromSurface {
     }
 };
 
-/// Both ways from where the surface is at z = -2, and from where it is at z = 2.
+/// Both ways from where the surface is at z = -2, and from where it is at z = 2. A side that is not met from afar is
+/// not met from the surface either: `facing` tells that, and at-origin has nothing to say of it.
 std::vector<FromSurface> from_surface(const Trial& trial) {
     std::vector<FromSurface> rays;
+    const bool one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
     const auto add = [&](double z, double direction, bool goes_in) {
+        if (one_sided && trial.ask(along(trial.shape, -5 * direction, direction)).hit != 1) return;
         const Question q = along(trial.shape, z, direction);
         rays.push_back({q, trial.ask(q), goes_in});
     };
@@ -261,10 +264,15 @@ void try_at_origin(Trial& trial) {
     const bool flat = is_flat(trial.shape);
     const std::string surface = "a surface at the origin ";
     const std::string in = "a ray that starts on the surface and goes in ", out = ", one that goes out ";
-    const std::string does =
-        flat ? surface + (rays[0].reply.hit == 1 || rays[1].reply.hit == 1 ? "counts" : "is passed over")
-             : in + rays[0].words(trial) + out + rays[1].words(trial);
-    if (all_right(trial, rays, trial.contract)) return trial.kept(does);
+    const bool hits = std::ranges::any_of(rays, [](const FromSurface& r) { return r.reply.hit == 1; });
+    // Of a near root alone the table drops the t of 0 that is told; a first root is for the form to drop.
+    const bool counts = hits && trial.contract.roots != Roots::near_only, is_dropped = hits && !counts;
+    const std::string does = flat && is_dropped && trial.contract.at_origin == AtOrigin::miss
+                                 ? surface + "is told as t = 0, a miss"
+                             : flat ? surface + (hits ? "counts" : "is passed over")
+                                    : in + rays[0].words(trial) + out + rays[1].words(trial);
+    const bool is_denied = flat && counts && trial.contract.at_origin == AtOrigin::miss;
+    if (!is_denied && all_right(trial, rays, trial.contract)) return trial.kept(does);
     for (const AtOrigin at : all_at_origin) {
         intersect::doors::Contract other = trial.contract;
         other.at_origin = at;

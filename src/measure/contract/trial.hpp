@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -200,6 +201,12 @@ public:
     [[nodiscard]] bool says_broken() const {
         return std::ranges::any_of(findings,
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
+    }
+    /// Whether a probe of this name found a broken promise.
+    [[nodiscard]] bool breaks(std::string_view name) const {
+        return std::ranges::any_of(findings, [name](const Observation& f) {
+            return f.subject == name && f.verdict == Observation::Verdict::broken;
+        });
     }
     /// The truth by the trial's contract, or by another that was asked the same.
     [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
