@@ -84,6 +84,27 @@ TEST_CASE("suspicion: a guess is tested on rays that it was not made from", "[do
     }
 }
 
+TEST_CASE("suspicion: a factor explains what a sum, one answer and false hits do not", "[doors]") {
+    using measure::contract::suspicion;
+    const auto scaled = [](double from, double to, const auto& answer) {
+        auto all = beside(3, 1, of_radius(3));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            all[i].true_t = all[i].other_measure = from + (to - from) * static_cast<double>(i) / 400;
+            all[i].t = answer(all[i].true_t);
+        }
+        return all;
+    };
+    CHECK_FALSE(has(suspicion(scaled(95, 105, [](double t) { return t + 1; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double) { return 1.0; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double t) { return 1.5 * t; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(1, 1, [](double) { return 1000.0; })), "units"));
+    CHECK(has(suspicion(scaled(90, 110, [](double t) { return 1.5 * t; })), "it is 1.5 times what is right"));
+    CHECK(has(suspicion(scaled(99, 99.2, [](double t) { return 1000 * t; })), "1000 times what is right"));
+    auto with_false_hits = scaled(90, 110, [](double t) { return 1.5 * t; });
+    for (std::size_t i = 0; i < with_false_hits.size(); i += 5) with_false_hits[i].truly_hits = false;
+    CHECK_FALSE(has(suspicion(with_false_hits), "units"));
+}
+
 TEST_CASE("suspicion: a dump whose rays all miss a large sphere is not explained by its radius", "[doors]") {
     const Scratch folder;
     std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n";

@@ -33,15 +33,14 @@ std::string factor_text(double factor) {
     return fmt::format("{:.3g} times what is right", factor);
 }
 
-/// A factor of units, or a power of two or ten: one that is written on purpose.
+/// A factor of units, or a power of two or ten that is no small one: what is written on purpose.
 bool is_round(double factor) {
     const auto is_power = [factor](double base) {
         return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
     };
-    return factor > 0 &&
-           (is_power(2) || is_power(10) || std::ranges::any_of(known_units, [factor](const KnownUnits& units) {
-                return is_about(factor, units.factor);
-            }));
+    if (factor > 0 && std::fabs(std::log2(factor)) >= 3 && (is_power(2) || is_power(10))) return true;
+    return std::ranges::any_of(known_units,
+                               [factor](const KnownUnits& units) { return is_about(factor, units.factor); });
 }
 
 /// How many are wrong in which way, where nothing known explains them.
@@ -132,27 +131,44 @@ private:
     }
 };
 
-/// The one factor by which nine in ten of the wrong answers are off, made from every second one and tested on the
-/// others; empty where there is none. Where all true t are alike any one answer would be, so there it has to be a round
-/// one of answers that are not all the same.
+double middle_of(std::vector<double> numbers) {
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::ranges::nth_element(numbers, middle);
+    return *middle;
+}
+
+/// The one factor by which nine in ten of the wrong answers and false hits are off, made from every second one and
+/// tested on the others; empty where there is none. Answers that are all the same have no units. A factor that is not
+/// round has to explain true t that differ by more than a twentieth, and better than one number that is added to all
+/// does: near 1, and where all t are about the same, the two say the same.
 std::string other_units(const std::array<Asked, 2>& halves) {
-    std::vector<double> factors, truths, answers;
+    std::vector<double> factors, offsets;
     for (const Judged& j : halves[0].wrong) {
         if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
         factors.push_back(j.t / j.true_t);
-        truths.push_back(j.true_t);
-        answers.push_back(j.t);
+        offsets.push_back(j.t - j.true_t);
     }
     if (factors.empty()) return "";
-    std::ranges::nth_element(factors, factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2));
-    const double factor = factors[factors.size() / 2];
+    const double factor = middle_of(factors), offset = middle_of(offsets);
+    const auto in_both = [&halves](const Explains& fits) {
+        return std::ranges::all_of(halves, [&fits](const Asked& half) { return explains_most(half.wrong, fits); });
+    };
+    const auto scales = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
+    const auto adds = [offset](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, j.true_t + offset); };
+    if (!in_both(scales)) return "";
+    std::vector<double> truths, answers;
+    for (const Asked& half : halves) {
+        for (const Judged& j : half.wrong) {
+            if (!scales(j)) continue;
+            truths.push_back(j.true_t);
+            answers.push_back(j.t);
+        }
+    }
     const auto [least, most] = std::ranges::minmax(truths);
     const auto [lowest, highest] = std::ranges::minmax(answers);
-    if (is_about(least, most) && (lowest == highest || !is_round(factor))) return "";
-    const auto fits = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
-    const bool in_both =
-        std::ranges::all_of(halves, [&fits](const Asked& half) { return explains_most(half.wrong, fits); });
-    return in_both ? "t is in other units: it is " + factor_text(factor) : "";
+    const bool is_told_apart = most > 1.05 * least && !in_both(adds);
+    if (lowest == highest || !(is_round(factor) || is_told_apart)) return "";
+    return "t is in other units: it is " + factor_text(factor);
 }
 
 }  // namespace
@@ -162,6 +178,7 @@ std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_
     asked.more_right_misses = more_misses;
     // Of rays that both hit, where there are enough of them, t alone is asked about.
     const Asked both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
+    const Asked hits(rays, [](const Judged& j) { return j.hit; });
     const bool most_hit = 2 * both.all.size() >= asked.all.size();
     if (!asked.is_mostly_wrong()) return "";
     const std::array<Asked, 2> halves = asked.halves(), halves_of_both = both.halves();
@@ -173,7 +190,7 @@ std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_
         return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
                            reason.words, whose == Whose::file ? reason.to_file : reason.to_library);
     }
-    if (const std::string units = most_hit ? other_units(halves_of_both) : ""; !units.empty())
+    if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
         return both.count("hit and should") + units;
     return asked.count("hit or should") + ways_of(asked.wrong) +
            "; no mistake that is known here explains nine in ten of them";
