@@ -18,7 +18,7 @@ enum class Situation : std::uint8_t {
     entering,  ///< begins on the surface and goes in; through a flat piece; toward the axis of a tube
     leaving,   ///< begins on the surface and goes out
     tangent,   ///< begins on the surface where it touches in one point
-    along,     ///< begins on a face or a cap and runs along it
+    along,     ///< begins on a face, a cap or the side of a capsule and runs along it
     touching,  ///< touches ahead: a tangent, a face, a rim
     ending     ///< ends where it enters, or on a surface without an inside
 };
@@ -44,8 +44,9 @@ constexpr RightAnswer at_surface(AtOrigin said, bool is_exit, RightAnswer behind
     return said == AtOrigin::hit || (said == AtOrigin::exit && is_exit) ? RightAnswer::origin : behind;
 }
 
-constexpr bool has_faces(Shape shape) {
-    return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone;
+/// Whether a line may run along the surface.
+constexpr bool has_straight_parts(Shape shape) {
+    return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone || shape == Shape::capsule;
 }
 
 constexpr RightAnswer right_on_surface(Shape shape, Situation of, const Convention& asked) {
@@ -78,7 +79,7 @@ constexpr RightAnswer right_answer(Shape shape, Situation of, const Convention& 
             return opened ? RightAnswer::miss : RightAnswer::ahead;
         case Situation::ending: return opened && has_inside(shape) ? RightAnswer::miss : RightAnswer::ahead;
         case Situation::along:
-            if (!detail::has_faces(shape)) return RightAnswer::none;
+            if (!detail::has_straight_parts(shape)) return RightAnswer::none;
             break;
         case Situation::leaving:
             if (is_flat(shape)) return RightAnswer::none;

@@ -66,6 +66,7 @@ const std::vector<Example> examples{{Shape::sphere, Situation::inside, ball, {{0
                                     {Shape::capsule, Situation::entering, cylinder, {{0, 0, 2}, {0, 0, -2}}, 2},
                                     {Shape::capsule, Situation::leaving, cylinder, {{0, 0, 2}, {0, 0, 1}}},
                                     {Shape::capsule, Situation::tangent, cylinder, {{1, 0, 0}, {0, 1, 0}}},
+                                    {Shape::capsule, Situation::along, cylinder, {{1, 0, 0}, {0, 0, 1}}, 1},
                                     {Shape::capsule, Situation::touching, cylinder, {{1, -2, 0}, {0, 1, 0}}, 2},
                                     {Shape::capsule, Situation::ending, cylinder, {{0, 0, 4}, {0, 0, -1}}, 2, 2},
                                     {Shape::tube, Situation::entering, cylinder, {{1, 0, 0}, {-1, 0, 0}}, 2},
@@ -132,21 +133,28 @@ std::string row_of_table(Shape shape, Inside inside) {
     return text;
 }
 
-/// A line for all kinds with the same answers, in the order of the shapes.
+/// A line for all kinds with the same answers, in the order of the shapes: as usual, and with an answer from inside
+/// that changes those from the surface.
 std::string table() {
-    std::vector<std::pair<std::string, std::string>> rows;
-    const auto add = [&rows](const std::string& name, const std::string& cells) {
-        const auto same = std::ranges::find(rows, cells, &std::pair<std::string, std::string>::second);
-        if (same == rows.end()) rows.emplace_back(name, cells);
-        else same->first += ", " + name;
+    struct Row {
+        std::string kinds, with, cells;
+    };
+    std::vector<Row> rows;
+    const auto add = [&rows](const ShapeRow& shape, Inside inside, const std::string& with) {
+        const std::string cells = row_of_table(shape.shape, inside);
+        const auto same =
+            std::ranges::find_if(rows, [&](const Row& row) { return row.with == with && row.cells == cells; });
+        if (same == rows.end()) rows.push_back({std::string(shape.name), with, cells});
+        else same->kinds += ", " + std::string(shape.name);
     };
     for (const ShapeRow& shape : shape_rows) {
-        add(std::string(shape.name), row_of_table(shape.shape, Inside::usual));
-        if (shape.zero_inside)
-            add(std::string(shape.name) + " with `inside = exit`", row_of_table(shape.shape, Inside::exit));
+        add(shape, Inside::usual, "");
+        if (shape.zero_inside) add(shape, Inside::exit, " with `inside = exit`");
     }
+    for (const ShapeRow& shape : shape_rows)
+        if (has_inside(shape.shape)) add(shape, Inside::miss, " with `inside = miss`");
     std::string text;
-    for (const auto& [name, cells] : rows) text += "| " + name + " " + cells + "\n";
+    for (const Row& row : rows) text += "| " + row.kinds + row.with + " " + row.cells + "\n";
     return text;
 }
 
