@@ -109,6 +109,10 @@ void require_code_name(const std::filesystem::path& path) {
         throw InputError("--emit " + path.string() +
                          ": the form takes the name of the file; write a word of letters, digits and _, and .hpp or "
                          ".glsl, as in half_b_mended.hpp");
+    const auto folder = path.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+        throw InputError(fmt::format("--emit {}: there is no folder {}; make it first, or name another", path.string(),
+                                     folder.string()));
 }
 
 /// Files of rays, all of which rows can be judged on, as often as is asked.

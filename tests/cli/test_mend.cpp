@@ -106,6 +106,23 @@ TEST_CASE("a mended form is written as a function of GLSL with the names of the 
     CHECK(has(text, "Made by lostbits mend rtg-fig-7-3-4100-oblique -i sphere.half_b"));
 }
 
+TEST_CASE("the name of a file that is a word of the language becomes one that is not", "[mend]") {
+    const Scratch scratch;
+    const std::string words = "mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 --emit ";
+    for (const auto& [file, name] :
+         std::initializer_list<std::pair<std::string, std::string>>{{"NULL.hpp", "struct NULL_ {"},
+                                                                    {"sphere.hpp", "struct Sphere_ {"},
+                                                                    {"far_one.hpp", "struct FarOne {"},
+                                                                    {"main.glsl", "bool main_("},
+                                                                    {"gl_x.glsl", "bool form_gl_x("},
+                                                                    {"float.glsl", "bool float_("},
+                                                                    {"a__b.glsl", "bool a_b("}}) {
+        must(words + file, scratch.path());
+        INFO(file);
+        CHECK(has(contents(scratch / file), name));
+    }
+}
+
 TEST_CASE("under a matrix a mended form is a function that takes the matrix, and has a price", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend instance-far.sphere --size 24x24 -i sphere.unified@plain --bits 18 ";

@@ -127,6 +127,28 @@ std::string head_comment(const FormWords& words) {
     return text;
 }
 
+namespace {
+
+/// Names that a struct cannot have: those of the types that its code uses, and of macros of the C library, of which
+/// many are in capitals alone.
+bool is_taken(const std::string& type) {
+    static const std::set<std::string, std::less<>> used = [] {
+        std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Solid",  "Range",
+                                                 "Wider", "Direction", "Touching", "AtOrigin",  "Inside", "Facing",
+                                                 "Roots", "Key",       "ShapeRow", "Convention"};
+        for (const ShapeRow& row : shape_rows) {
+            std::string name(row.name);
+            name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+            names.insert(std::move(name));
+        }
+        return names;
+    }();
+    return used.contains(type) ||
+           std::ranges::none_of(type, [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; });
+}
+
+}  // namespace
+
 std::string type_name(const std::string& form) {
     std::string name;
     bool up = true;
@@ -135,7 +157,7 @@ std::string type_name(const std::string& form) {
             name += up ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
         up = std::isalnum(static_cast<unsigned char>(c)) == 0;
     }
-    return name;
+    return is_taken(name) ? name + "_" : name;
 }
 
 std::string form_header(const Tape& tape, const Intersector& like, const FormWords& words) {

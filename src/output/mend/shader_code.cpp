@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 #include "measure/blame/operations.hpp"
 #include "number/error.hpp"
@@ -141,6 +143,30 @@ std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
     for (const Helper& helper : helpers) taken.emplace(helper.name);
     for (const Key& key : shape.keys) taken.emplace(key.name);
     return taken;
+}
+
+/// The name of a function for that of its file. GLSL keeps its own words and functions, names that begin with gl_, and
+/// two underscores in a row; the program around a shader keeps those with lb_.
+std::string function_name(const std::string& file, const ShapeRow& shape) {
+    static const std::set<std::string, std::less<>> own = [] {
+        std::istringstream words(R"(
+            main void attribute varying centroid patch layout break continue case default subroutine struct lowp mediump
+            highp precision coherent readonly writeonly restrict atomic_uint asm class union enum typedef template goto
+            inline noinline public external interface unsigned superp namespace cast sizeof hvec2 hvec3 hvec4 fvec2 fvec3
+            fvec4 mat2 mat3 mat4 vec2 vec3 vec4 dvec2 dvec3 dvec4 ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4
+            sampler1D sampler2D sampler3D samplerCube radians degrees sin cos tan asin acos atan sinh cosh tanh asinh
+            acosh atanh pow exp log exp2 log2 inversesqrt sign floor trunc round roundEven ceil fract mod modf min max
+            clamp mix step smoothstep isnan isinf fma frexp ldexp length distance dot cross normalize faceforward reflect
+            refract transpose inverse determinant outerProduct matrixCompMult lessThan greaterThan equal notEqual any all
+            texture texelFetch noise1 noise2 noise3 noise4 barrier defined line file version extension pragma)");
+        return std::set<std::string, std::less<>>(std::istream_iterator<std::string>(words), {});
+    }();
+    std::string name;
+    for (const char c : file)
+        if (c != '_' || !name.ends_with('_')) name += c;
+    if (name.starts_with("gl_") || name.starts_with("lb_")) name.insert(0, "form_");
+    const bool is_taken = own.contains(name) || taken_words(shape).contains(name);
+    return is_taken && !name.ends_with('_') ? name + "_" : name;
 }
 
 class ShaderCode final : public TapeCode {
@@ -282,7 +308,7 @@ std::string shader_code(const Tape& tape, const Intersector& like, const FormWor
         };
         if (calls(body) || calls(functions)) functions = std::string(helper->text) + "\n" + functions;
     }
-    const std::string name = taken_words(row_of(like.shape)).contains(words.name) ? words.name + "_" : words.name;
+    const std::string name = function_name(words.name, row_of(like.shape));
     return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(words),
                        contract_of(*like.info, words), functions, name, parameters_of(row_of(like.shape)),
                        tells_t ? ", out float first" : "", body);
