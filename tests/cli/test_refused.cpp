@@ -69,6 +69,8 @@ Files scenes() {
          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
          "face 1\nproperty list uchar float vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n3 0 1.5 2\n"},
         {"frac.toml", with_mesh("frac.ply")},
+        {"counted.ply", "ply\nformat ascii 1.0\nelement vertex 1.5\n"},
+        {"counted.toml", with_mesh("counted.ply")},
         {"deep.gltf", std::string(15000, '[')},
         {"deep.gltf.toml", with_mesh("deep.gltf")},
         {"nul.obj", std::string("v -1 -1 0\nv 1 -1 0\nv 1 1 0\n\0f 1 2 3\n", 36)},

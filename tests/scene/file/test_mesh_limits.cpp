@@ -105,6 +105,15 @@ TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused"
               "a.gltf: accessors[1]: has 13 elements, which end behind its buffer view of 144 bytes"));
     CHECK(error_with("{", bytes).starts_with("a.gltf:1:1: is not JSON: "));
     CHECK(error_with("{\n  \"asset\": ?}", bytes).starts_with("a.gltf:2:12: is not JSON: "));
+    CHECK(error_with(as_gltf(ball, buffer) + '\0' + "x", bytes)
+              .ends_with("has a byte 0, and more behind it; is it text?"));
+    CHECK(error_with(as_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
+    CHECK(error_with(as_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
+    CHECK(error_with(replaced(as_gltf(ball, buffer), "\"asset\"",
+                              R"("extensionsRequired": ["KHR_mesh_quantization", "EXT_x"], "asset")"),
+                     bytes) ==
+          "a.gltf: extensionsRequired: names \"KHR_mesh_quantization\", \"EXT_x\", which are not read; export the mesh "
+          "without them");
     CHECK(error_with("[]", bytes) == "a.gltf: is not an object, and a glTF is one");
     CHECK(error_with("{}", bytes) == "a.gltf: has no asset");
 }

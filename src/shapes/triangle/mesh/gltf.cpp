@@ -35,6 +35,7 @@ public:
         const std::string version = top_.at("asset").at("version").text();
         if (!version.starts_with("2."))
             top_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + ", and 2.0 is read");
+        refuse_extensions();
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
             sections_[key] = top_.elements(key);
         buffers_.resize(sections_["buffers"].size());
@@ -53,6 +54,14 @@ public:
     }
 
 private:
+    /// glTF 2.0: a reader that lacks an extension of this list must not read the file.
+    void refuse_extensions() const {
+        std::string names;
+        for (const GltfValue& name : top_.elements("extensionsRequired"))
+            names += (names.empty() ? "" : ", ") + toml::quoted_excerpt(name.text());
+        if (!names.empty())
+            top_.at("extensionsRequired").fail("names " + names + ", which are not read; export the mesh without them");
+    }
     std::string whole_text(MeshBytes& bytes) const {
         if (bytes.size() > most_text)
             throw InputError(file_ + ": is larger than 512 MiB; write its buffers to a .bin beside it, or a .glb");

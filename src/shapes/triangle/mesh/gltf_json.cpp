@@ -110,6 +110,9 @@ json parse_gltf_json(const std::string& file, std::string_view text, std::uint64
         const auto read = static_cast<std::size_t>(seen - text.data());
         throw InputError(place_in(file, text, read - (read > 0 ? 1 : 0), begin) + ": " + what);
     });
+    // The parser takes a byte 0 for the end. Zeros alone are the padding of a binary file.
+    if (const auto zero = text.find('\0'); text.find_first_not_of('\0', std::min(zero, text.size())) < text.size())
+        throw InputError(place_in(file, text, zero, begin) + ": has a byte 0, and more behind it; is it text?");
     const Letters first(text.data(), stop), last(text.data() + text.size(), stop);
     json::sax_parse(Letters(text.data(), stop, &seen), last, &limits);
     return json::parse(first, last);

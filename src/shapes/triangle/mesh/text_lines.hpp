@@ -50,7 +50,10 @@ public:
         const bool is_whole_word = end == digits.data() + digits.size();
         if (error == std::errc::result_out_of_range && is_whole_word) return out_of_range<T>(text, what);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
-            fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not a number");
+            fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not " +
+                 (std::is_unsigned_v<T>   ? "a whole number of at least 0"
+                  : std::is_integral_v<T> ? "a whole number"
+                                          : "a number"));
         return x;
     }
     /// The next word as a number of a vertex that the scene can hold.
