@@ -1,5 +1,7 @@
 #include "measure/tape/contraction.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -259,7 +261,12 @@ const Intersector& contracted_row(const Intersector& form) {
                          ": a form is contracted before it is taken through a space; write FORM" +
                          std::string(contracted_suffix) + "@SPACE");
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
-    if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // says why
+    try {
+        if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // says why
+    } catch (const InputError& why) {
+        throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
+                                     contracted_suffix, why.what()));
+    }
     return rows().row_of({&form}, fill);
 }
 
