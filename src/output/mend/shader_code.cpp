@@ -150,15 +150,16 @@ std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
 std::string function_name(const std::string& file, const ShapeRow& shape) {
     static const std::set<std::string, std::less<>> own = [] {
         std::istringstream words(R"(
-            main void attribute varying centroid patch layout break continue case default subroutine struct lowp mediump
-            highp precision coherent readonly writeonly restrict atomic_uint asm class union enum typedef template goto
-            inline noinline public external interface unsigned superp namespace cast sizeof hvec2 hvec3 hvec4 fvec2 fvec3
-            fvec4 mat2 mat3 mat4 vec2 vec3 vec4 dvec2 dvec3 dvec4 ivec2 ivec3 ivec4 uvec2 uvec3 uvec4 bvec2 bvec3 bvec4
-            sampler1D sampler2D sampler3D samplerCube radians degrees sin cos tan asin acos atan sinh cosh tanh asinh
-            acosh atanh pow exp log exp2 log2 inversesqrt sign floor trunc round roundEven ceil fract mod modf min max
-            clamp mix step smoothstep isnan isinf fma frexp ldexp length distance dot cross normalize faceforward reflect
-            refract transpose inverse determinant outerProduct matrixCompMult lessThan greaterThan equal notEqual any all
-            texture texelFetch noise1 noise2 noise3 noise4 barrier defined line file version extension pragma)");
+            main void attribute varying centroid patch layout break continue case default subroutine struct lowp
+            mediump highp precision coherent readonly writeonly restrict atomic_uint asm class union enum typedef
+            template goto inline noinline public external interface unsigned superp namespace cast sizeof hvec2
+            hvec3 hvec4 fvec2 fvec3 fvec4 mat2 mat3 mat4 vec2 vec3 vec4 dvec2 dvec3 dvec4 ivec2 ivec3 ivec4 uvec2
+            uvec3 uvec4 bvec2 bvec3 bvec4 sampler1D sampler2D sampler3D samplerCube radians degrees sin cos tan asin
+            acos atan sinh cosh tanh asinh acosh atanh pow exp log exp2 log2 inversesqrt sign floor trunc round
+            roundEven ceil fract mod modf min max clamp mix step smoothstep isnan isinf fma frexp ldexp length
+            distance dot cross normalize faceforward reflect refract transpose inverse determinant outerProduct
+            matrixCompMult lessThan greaterThan equal notEqual any all texture texelFetch noise1 noise2 noise3
+            noise4 barrier defined line file version extension pragma)");
         return std::set<std::string, std::less<>>(std::istream_iterator<std::string>(words), {});
     }();
     std::string name;
