@@ -7,12 +7,12 @@
 namespace lostbits {
 
 /// One operation of a program: its steps are those of the function for packs.
-inline number::wide::RecordedWord near_first_root(const QuarticChain<number::wide::RecordedWord>& chain,
-                                                  const number::wide::RecordedWord& begin,
-                                                  const number::wide::RecordedWord& bound, int /*steps*/) {
-    using number::wide::ColumnOperation, number::wide::RecordedWord, number::wide::recorded;
-    return RecordedWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
-                                     chain.q.place(), chain.r.place(), begin.place(), bound.place()));
+inline number::wide::ColumnWord near_first_root(const QuarticChain<number::wide::ColumnWord>& chain,
+                                                const number::wide::ColumnWord& begin,
+                                                const number::wide::ColumnWord& bound, int /*steps*/) {
+    using number::wide::ColumnOperation, number::wide::ColumnWord, number::wide::recorded;
+    return ColumnWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
+                                   chain.q.place(), chain.r.place(), begin.place(), bound.place()));
 }
 
 }  // namespace lostbits

@@ -8,8 +8,8 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
+#include <lostbits_widths.hpp>  // made: those that this build has
 #include "number/error.hpp"
-#include "lostbits_widths.hpp"  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 
@@ -58,8 +58,9 @@ bool runs(Isa isa) {
 #endif
 #ifdef LOSTBITS_HAS_W512
         case Isa::w512:
-            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") &&
-                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+            return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2") &&
+                   __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                   __builtin_cpu_supports("avx512vl");
 #endif
         default: return false;
     }

@@ -6,7 +6,7 @@
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
-#include "lostbits_widths.hpp"  // made: those that this build has
+#include <lostbits_widths.hpp>  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 namespace {

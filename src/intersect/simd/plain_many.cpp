@@ -5,7 +5,7 @@
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
-#include "lostbits_widths.hpp"  // made: those that this build has
+#include <lostbits_widths.hpp>  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 

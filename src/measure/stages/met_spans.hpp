@@ -16,9 +16,9 @@
 
 namespace lostbits::measure::stages {
 
+using number::wide::ColumnMask;
+using number::wide::ColumnWord;
 using number::wide::is_unset;
-using number::wide::RecordedMask;
-using number::wide::RecordedWord;
 using number::wide::Running;
 
 /// The first t of a ray at which it meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
@@ -92,7 +92,7 @@ Order<Tris<mask_t<P>>> told_apart(const P& x, const P& y, const P& least) {
     const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
     return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
 }
-inline Order<Tris<RecordedMask>> told_apart(const RecordedWord& x, const RecordedWord& y, const RecordedWord& least) {
+inline Order<Tris<ColumnMask>> told_apart(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
     return order_of_first_words(x, y, least);
 }
 

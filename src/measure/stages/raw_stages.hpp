@@ -101,7 +101,7 @@ struct ColumnKernels {
 };
 
 /// What is compiled for a register width. (Each shape's stage is a program of columns.)
-struct RawKernels {
+struct RawStages {
     ColumnKernels columns;
     void (*unit_directions)(const RawDirections&);
     /// Of the shapes that lie flat between points, in the order of the list: rays that touch, by exact sums: one word a
@@ -110,7 +110,7 @@ struct RawKernels {
 };
 
 /// One function for registers of 128 bits and one for wider ones, each in an object of its own.
-void fill_stages_w128(RawKernels& kernels);
-void fill_stages_w256(RawKernels& kernels);
+void fill_stages_w128(RawStages& kernels);
+void fill_stages_w256(RawStages& kernels);
 
 }  // namespace lostbits::measure::stages

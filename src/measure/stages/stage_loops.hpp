@@ -100,7 +100,7 @@ template <class P>
 }
 
 template <class P>
-void fill_stages(RawKernels& kernels) {
+void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
     Solids::each([&]<template <class> class Of>() {
         if constexpr (is_flat_between_points<Of<Multiple<P>>>)

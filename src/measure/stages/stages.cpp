@@ -16,28 +16,28 @@ using intersect::simd::Isa;
 namespace {
 
 /// The function that fills the table was compiled for the width too, so a width that the machine has not is not filled.
-RawKernels filled_by(void (*fill)(RawKernels&)) {
-    RawKernels kernels{};
+RawStages filled_by(void (*fill)(RawStages&)) {
+    RawStages kernels{};
     fill(kernels);
     return kernels;
 }
 
 /// Registers of 512 bits have the kernels of 256, with which maps took 3 to 4 % more of the processor.
-const RawKernels& kernels_at(Isa isa) {
+const RawStages& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {
-        static const RawKernels w256 = filled_by(fill_stages_w256);
+        static const RawStages w256 = filled_by(fill_stages_w256);
         return w256;
     }
 #endif
-    static const RawKernels w128 = filled_by(fill_stages_w128);
+    static const RawStages w128 = filled_by(fill_stages_w128);
     return w128;
 }
 
 /// Programs as they run: each is recorded when it is first asked for.
 class Runs {
 public:
-    static const ColumnRun& of(const StageTerms& terms, const RawKernels& kernels, std::uint64_t same) {
+    static const ColumnRun& of(const StageTerms& terms, const RawStages& kernels, std::uint64_t same) {
         static Runs runs;
         const Key key(terms, &kernels, same);
         {
@@ -51,7 +51,7 @@ public:
     }
 
 private:
-    using Key = std::tuple<StageTerms, const RawKernels*, std::uint64_t>;
+    using Key = std::tuple<StageTerms, const RawStages*, std::uint64_t>;
     std::shared_mutex mutex_;
     std::map<Key, std::unique_ptr<ColumnRun>> all_;
 };
@@ -74,7 +74,7 @@ std::uint64_t same_inputs(const RawProblems<S>& p) {
 }  // namespace
 
 template <class S>
-void Stage<S>::operator()(const RawProblems<S>& problems) const {
+void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     if constexpr (std::is_same_v<S, double>) {
         if (arithmetic == Arithmetic::exact_sums) return kernels->ties[static_cast<std::size_t>(shape)](problems);
     }
@@ -88,14 +88,14 @@ void Stage<S>::operator()(const RawProblems<S>& problems) const {
                            .distance = problems.out.distance.hi != nullptr};
     Runs::of(terms, *kernels, same_inputs(problems))(problems);
 }
-template void Stage<float>::operator()(const RawProblems<float>&) const;
-template void Stage<double>::operator()(const RawProblems<double>&) const;
+template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
+template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
 Stages stages_of(Shape shape, Isa isa) {
-    const RawKernels& kernels = kernels_at(isa);
+    const RawStages& kernels = kernels_at(isa);
     const bool has_ties = kernels.ties[static_cast<std::size_t>(shape)] != nullptr;
-    using Exact = Stage<double>;
-    return {.binary64 = {shape, Stage<float>::Arithmetic::one_word, &kernels},
+    using Exact = ShapeStage<double>;
+    return {.binary64 = {shape, ShapeStage<float>::Arithmetic::one_word, &kernels},
             .double_double = {shape, Exact::Arithmetic::two_words, &kernels},
             .ties = has_ties ? Exact{shape, Exact::Arithmetic::exact_sums, &kernels} : Exact{},
             .unit_directions = kernels.unit_directions,

@@ -9,27 +9,27 @@ namespace lostbits::measure::stages {
 
 /// What proves answers of one shape, in numbers of so many words; of none it is not there.
 template <class S>
-struct Stage {
+struct ShapeStage {
     enum class Arithmetic : std::uint8_t { none, one_word, two_words, exact_sums };
 
     Shape shape{};
     Arithmetic arithmetic = Arithmetic::none;
-    const RawKernels* kernels = nullptr;
+    const RawStages* kernels = nullptr;
 
     explicit operator bool() const { return arithmetic != Arithmetic::none; }
     void operator()(const RawProblems<S>& problems) const;
-    friend bool operator==(const Stage&, const Stage&) = default;
+    friend bool operator==(const ShapeStage&, const ShapeStage&) = default;
 };
-extern template void Stage<float>::operator()(const RawProblems<float>&) const;
-extern template void Stage<double>::operator()(const RawProblems<double>&) const;
+extern template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
+extern template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
 /// The stages of one shape at `isa`, and how many problems they take at a time. What they say is the same to the bit
 /// at every width.
 struct Stages {
-    Stage<float> binary64;        ///< binary32 inputs
-    Stage<double> double_double;  ///< one word a number, or two
+    ShapeStage<float> binary64;        ///< binary32 inputs
+    ShapeStage<double> double_double;  ///< one word a number, or two
     /// Also of rays that touch: one word a number, no matrix and no range.
-    Stage<double> ties;
+    ShapeStage<double> ties;
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape
     std::size_t lanes;
 };

@@ -169,7 +169,7 @@ public:
     }
     [[nodiscard]] bool have_ranges_of_their_own() const { return ranged_; }
     /// Asks a stage about `count` of them from `begin` on. What it finds begins where `found` points to.
-    void settle(const stages::Stage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
+    void settle(const stages::ShapeStage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {
         const std::size_t whole = count - count % lanes, left = count - whole;
         if (whole > 0) stage(at(begin, whole, found));

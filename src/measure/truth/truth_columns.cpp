@@ -56,7 +56,7 @@ public:
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
         const bool are_plain = !in_place_.have_ranges_of_their_own() && !problems.matrix.placed;
-        ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::Stage<double>();
+        ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::ShapeStage<double>();
     }
 
     void find() {
@@ -88,7 +88,7 @@ public:
 
 private:
     /// Those from `begin` on; what stays open goes into `open_`.
-    void settle_in_place(const stages::Stage<S>& stage, std::size_t begin, std::size_t count) {
+    void settle_in_place(const stages::ShapeStage<S>& stage, std::size_t begin, std::size_t count) {
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
         stages::RawFindings found{settled, hit + begin, {}, {}};
@@ -97,7 +97,7 @@ private:
         add_open(settled, begin, count, open_);
     }
     /// Those in `open_`, which keeps what stays open, by a stage that may not be there.
-    void settle_gathered(const stages::Stage<double>& stage) {
+    void settle_gathered(const stages::ShapeStage<double>& stage) {
         if (!stage || open_.empty()) return;
         auto& gathered = Gathered<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
@@ -148,7 +148,7 @@ private:
     TruthColumns& out_;
     stages::Stages stages_;
     InPlace<S> in_place_;
-    stages::Stage<double> ties_;  ///< none where they are not to be asked
+    stages::ShapeStage<double> ties_;  ///< none where they are not to be asked
     std::vector<std::size_t> open_;
 };
 

@@ -16,26 +16,26 @@ ColumnPlace recorded(ColumnOperation operation, Places... places) {
 }
 
 /// A decision about every ray of a column.
-class RecordedMask : public NotABool {
+class ColumnMask : public NotABool {
 public:
-    RecordedMask() = default;
-    explicit RecordedMask(ColumnPlace place) : place_(place) {}
+    ColumnMask() = default;
+    explicit ColumnMask(ColumnPlace place) : place_(place) {}
 
     [[nodiscard]] ColumnPlace place() const { return place_; }
 
-    friend RecordedMask operator&&(const RecordedMask& a, const RecordedMask& b) {
-        return RecordedMask(recorded(ColumnOperation::both, a.place_, b.place_));
+    friend ColumnMask operator&&(const ColumnMask& a, const ColumnMask& b) {
+        return ColumnMask(recorded(ColumnOperation::both, a.place_, b.place_));
     }
-    friend RecordedMask operator||(const RecordedMask& a, const RecordedMask& b) {
-        return RecordedMask(recorded(ColumnOperation::either, a.place_, b.place_));
+    friend ColumnMask operator||(const ColumnMask& a, const ColumnMask& b) {
+        return ColumnMask(recorded(ColumnOperation::either, a.place_, b.place_));
     }
-    friend RecordedMask operator!(const RecordedMask& a) {
-        return RecordedMask(recorded(ColumnOperation::opposite, a.place_));
+    friend ColumnMask operator!(const ColumnMask& a) {
+        return ColumnMask(recorded(ColumnOperation::opposite, a.place_));
     }
     /// A program goes every way.
-    friend bool any_of(const RecordedMask&) { return true; }
+    friend bool any_of(const ColumnMask&) { return true; }
     /// What is computed behind this is wanted where the mask is set in some lane, and only there.
-    friend bool is_unset(const RecordedMask& a) {
+    friend bool is_unset(const ColumnMask& a) {
         ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.place_}});
         return false;
     }
@@ -45,57 +45,53 @@ private:
 };
 
 /// A double of every ray of a column.
-class RecordedWord {
+class ColumnWord {
 public:
-    RecordedWord() = default;
-    explicit RecordedWord(std::integral auto x) : RecordedWord(static_cast<double>(x)) {}
-    explicit RecordedWord(std::floating_point auto x)
+    ColumnWord() = default;
+    explicit ColumnWord(std::integral auto x) : ColumnWord(static_cast<double>(x)) {}
+    explicit ColumnWord(std::floating_point auto x)
         : place_(ColumnRecorder::current().constant(static_cast<double>(x))), is_zero_(!(x < 0) && !(x > 0)) {}
 
-    static RecordedWord at(ColumnPlace place) {
-        RecordedWord x;
+    static ColumnWord at(ColumnPlace place) {
+        ColumnWord x;
         x.place_ = place;
         return x;
     }
     [[nodiscard]] ColumnPlace place() const { return place_; }
     /// What is 0 by what was recorded, whatever the inputs.
-    friend bool is_known_zero(const RecordedWord& x) { return x.is_zero_; }
+    friend bool is_known_zero(const ColumnWord& x) { return x.is_zero_; }
 
-    friend RecordedWord operator+(const RecordedWord& a, const RecordedWord& b) {
-        return of(ColumnOperation::add, a, b);
-    }
-    friend RecordedWord operator-(const RecordedWord& a, const RecordedWord& b) {
+    friend ColumnWord operator+(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::add, a, b); }
+    friend ColumnWord operator-(const ColumnWord& a, const ColumnWord& b) {
         return of(ColumnOperation::subtract, a, b);
     }
-    friend RecordedWord operator*(const RecordedWord& a, const RecordedWord& b) {
+    friend ColumnWord operator*(const ColumnWord& a, const ColumnWord& b) {
         return of(ColumnOperation::multiply, a, b);
     }
-    friend RecordedWord operator/(const RecordedWord& a, const RecordedWord& b) {
-        return of(ColumnOperation::divide, a, b);
-    }
-    friend RecordedWord operator-(const RecordedWord& a) {
-        if (a.place_ < 0) return RecordedWord(-ColumnRecorder::current().constant_at(a.place_));
+    friend ColumnWord operator/(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::divide, a, b); }
+    friend ColumnWord operator-(const ColumnWord& a) {
+        if (a.place_ < 0) return ColumnWord(-ColumnRecorder::current().constant_at(a.place_));
         return of(ColumnOperation::negate, a);
     }
-    friend RecordedWord abs(const RecordedWord& a) { return of(ColumnOperation::absolute, a); }
-    friend RecordedWord max(const RecordedWord& a, const RecordedWord& b) { return of(ColumnOperation::largest, a, b); }
-    friend RecordedWord binade(const RecordedWord& a) { return of(ColumnOperation::power_below, a); }
-    friend RecordedWord select(const RecordedMask& mask, const RecordedWord& a, const RecordedWord& b) {
+    friend ColumnWord abs(const ColumnWord& a) { return of(ColumnOperation::absolute, a); }
+    friend ColumnWord max(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::largest, a, b); }
+    friend ColumnWord binade(const ColumnWord& a) { return of(ColumnOperation::power_below, a); }
+    friend ColumnWord select(const ColumnMask& mask, const ColumnWord& a, const ColumnWord& b) {
         if (a.place_ == b.place_) return a;
         return at(recorded(ColumnOperation::choose, mask.place(), a.place_, b.place_));
     }
-    friend RecordedMask operator<(const RecordedWord& a, const RecordedWord& b) {
-        return RecordedMask(recorded(ColumnOperation::less, a.place_, b.place_));
+    friend ColumnMask operator<(const ColumnWord& a, const ColumnWord& b) {
+        return ColumnMask(recorded(ColumnOperation::less, a.place_, b.place_));
     }
-    friend RecordedMask operator<=(const RecordedWord& a, const RecordedWord& b) {
-        return RecordedMask(recorded(ColumnOperation::at_most, a.place_, b.place_));
+    friend ColumnMask operator<=(const ColumnWord& a, const ColumnWord& b) {
+        return ColumnMask(recorded(ColumnOperation::at_most, a.place_, b.place_));
     }
-    friend RecordedMask operator>(const RecordedWord& a, const RecordedWord& b) { return b < a; }
-    friend RecordedMask operator>=(const RecordedWord& a, const RecordedWord& b) { return b <= a; }
+    friend ColumnMask operator>(const ColumnWord& a, const ColumnWord& b) { return b < a; }
+    friend ColumnMask operator>=(const ColumnWord& a, const ColumnWord& b) { return b <= a; }
 
 private:
     template <class... Words>
-    static RecordedWord of(ColumnOperation operation, const Words&... words) {
+    static ColumnWord of(ColumnOperation operation, const Words&... words) {
         return at(recorded(operation, words.place_...));
     }
 
@@ -104,26 +100,25 @@ private:
 };
 
 /// The operation of three words and four masks: see `stages::told_apart`.
-inline Order<Tris<RecordedMask>> order_of_first_words(const RecordedWord& x, const RecordedWord& y,
-                                                      const RecordedWord& least) {
+inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
     const auto out = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
                                                        .ins = 3,
                                                        .outs = 4,
                                                        .in = {x.place(), y.place(), least.place()}});
-    const auto mask = [&out](std::size_t k) { return RecordedMask(out[k]); };
+    const auto mask = [&out](std::size_t k) { return ColumnMask(out[k]); };
     return {{mask(0), mask(1)}, {mask(2), mask(3)}};
 }
 
 template <class W>
-concept RecordedWords = std::same_as<W, RecordedWord> || std::same_as<W, TwoWords<RecordedWord>>;
+concept ColumnWords = std::same_as<W, ColumnWord> || std::same_as<W, TwoWords<ColumnWord>>;
 
 /// Each operation is one instruction, whose kernel is that of `Running` over packs: so its words and bounds have the
 /// same bits. What is known to be without a second word and a bound when it is recorded is so for every ray.
-template <RecordedWords W>
+template <ColumnWords W>
 class Running<W> {
 public:
-    using P = RecordedWord;
-    using Lanes = RecordedMask;
+    using P = ColumnWord;
+    using Lanes = ColumnMask;
 
     Running() = default;
     explicit Running(std::same_as<int> auto x) : w_(x), e_(0) {}
@@ -184,7 +179,7 @@ public:
     }
 
 private:
-    static constexpr bool has_two = !std::same_as<W, RecordedWord>;
+    static constexpr bool has_two = !std::same_as<W, ColumnWord>;
 
     [[nodiscard]] bool is_one_word() const {
         if (!is_known_zero(e_)) return false;
@@ -221,6 +216,6 @@ private:
     P e_;
 };
 
-static_assert(Number<Running<RecordedWord>> && Number<Running<TwoWords<RecordedWord>>>);
+static_assert(Number<Running<ColumnWord>> && Number<Running<TwoWords<ColumnWord>>>);
 
 }  // namespace lostbits::number::wide

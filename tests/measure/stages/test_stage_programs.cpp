@@ -107,7 +107,7 @@ struct Counts {
 
 /// The stage of a shape in columns of S, against its formula over words of W.
 template <template <class> class Of, class S, class W>
-Counts compare(const StageTerms& terms, bool one_solid, const Stage<S>& stage,
+Counts compare(const StageTerms& terms, bool one_solid, const ShapeStage<S>& stage,
                std::span<const std::array<double, stage_inputs>> problems) {
     ColumnsOfProblems<S> columns(problems, one_solid);
     stage(columns.raw(terms));

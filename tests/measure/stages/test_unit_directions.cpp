@@ -71,11 +71,11 @@ TEST_CASE("packs settle nearly all unit directions, and none outside of their ra
         const auto count = [&](bool narrow, double scale) {
             const auto stages = measure::stages::stages_of(Shape::sphere, isa);
             stages.unit_directions({{all[0].data(), all[1].data(), all[2].data()},
-                                            {out[0].data(), out[1].data(), out[2].data()},
-                                            settled.data(),
-                                            narrow,
-                                            scale,
-                                            n});
+                                    {out[0].data(), out[1].data(), out[2].data()},
+                                    settled.data(),
+                                    narrow,
+                                    scale,
+                                    n});
             return static_cast<std::size_t>(std::ranges::count(settled, 1));
         };
         std::size_t zeros = 0;
