@@ -6,9 +6,9 @@
 #include <deque>
 #include <string>
 
+#include <lostbits_widths.hpp>  // made: those that this build has
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
-#include <lostbits_widths.hpp>  // made: those that this build has
 #include "number/error.hpp"
 
 namespace lostbits::intersect::simd {

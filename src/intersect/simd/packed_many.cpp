@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include <lostbits_widths.hpp>  // made: those that this build has
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
-#include <lostbits_widths.hpp>  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
+#include <lostbits_widths.hpp>  // made: those that this build has
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
-#include <lostbits_widths.hpp>  // made: those that this build has
 
 namespace lostbits::intersect::simd {
 
