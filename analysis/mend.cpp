@@ -101,8 +101,9 @@ void write_page(const std::filesystem::path& path, const MendResult& result, con
     output::file::write_file(path, output::page::page(report));
 }
 
-/// The name of the form, and of its struct or function, is that of the file.
-void require_code_name(const std::filesystem::path& path) {
+/// The name of the form, and of its struct or function, is that of the file. Of folders that are not there only that of
+/// all files, `out`, is made.
+void require_code_name(const std::filesystem::path& path, const std::filesystem::path& out) {
     static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
     const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
     if (!known || !std::regex_match(path.stem().string(), name))
@@ -110,7 +111,8 @@ void require_code_name(const std::filesystem::path& path) {
                          ": the form takes the name of the file; write a word of letters, digits and _, and .hpp or "
                          ".glsl, as in half_b_mended.hpp");
     const auto folder = path.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder))
+    const bool is_made = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
+    if (!folder.empty() && !is_made && !std::filesystem::is_directory(folder))
         throw InputError(fmt::format("--emit {}: there is no folder {}; make it first, or name another", path.string(),
                                      folder.string()));
 }
@@ -166,7 +168,7 @@ scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& d
 }
 
 Exit run(const MendOptions& o, const Common& common) {
-    if (!o.emit.empty()) require_code_name(o.emit);
+    if (!o.emit.empty()) require_code_name(o.emit, o.out);
     if (!o.out.empty()) require_folder(o.out);
     selection::refuse_others(o.rays, o.subjects,
                              {{"--size", !o.changes.size.empty()},
