@@ -219,7 +219,7 @@ std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& for
     return found;
 }
 
-/// Where the ray hits truly if its range is another; nothing where it misses.
+/// The true t of the ray under another range; nothing where it misses.
 std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                              const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::group_of(in.all.rays[in.index]);
@@ -232,7 +232,7 @@ std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, cons
     return other.rounded_truth(info, binary64);
 }
 
-/// Of a ray that truly misses: whether its range alone is the reason.
+/// Finds the hits that the range of a ray that truly misses leaves out.
 void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inputs& in) {
     const Range<double> range = in.all.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;

@@ -136,7 +136,7 @@ std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
     return all;
 }
 
-/// What the answers of a form say that it makes of the length; nothing where no mistake fits all of them.
+/// The mistake about the length that explains all answers of a form; null where none does.
 const TakenLength* find_taken_length(const Trial& trial, std::size_t number) {
     std::vector<std::pair<Question, Reply>> asked;
     for (const Question& q : rays_at_lengths(trial.shape, number)) asked.emplace_back(q, trial.ask(q));

@@ -202,7 +202,7 @@ public:
         return std::ranges::any_of(findings,
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
-    /// Whether a probe of this name found a broken promise.
+    /// True where a probe of this name found a broken promise.
     [[nodiscard]] bool breaks(std::string_view name) const {
         return std::ranges::any_of(findings, [name](const Observation& f) {
             return f.subject == name && f.verdict == Observation::Verdict::broken;

@@ -37,7 +37,7 @@ double* room_of_thread(std::size_t doubles) {
 
 }  // namespace
 
-/// Where the columns of a program lie.
+/// The layout of a program's columns in its room.
 class ColumnRun::Layout {
 public:
     Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t same)

@@ -138,7 +138,6 @@ public:
 
     ColumnPlace constant(double x);
     [[nodiscard]] double constant_at(ColumnPlace place) const { return program_.constant_at(place); }
-    [[nodiscard]] int words() const { return program_.words; }
     /// The places of what the operation gives.
     std::array<ColumnPlace, ColumnInstruction::most_out> record(ColumnInstruction step);
     /// The program, of which the outputs are wanted and nothing else is left.
