@@ -15,6 +15,7 @@
 #include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
+#include "number/real.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/round.hpp"

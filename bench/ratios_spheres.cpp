@@ -8,6 +8,7 @@
 
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metrics.hpp"
+#include "number/real.hpp"
 #include "ratios.hpp"
 
 namespace bench {

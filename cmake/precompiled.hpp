@@ -22,3 +22,4 @@
 
 #include "geometry/vec.hpp"
 #include "number/interval.hpp"
+#include "number/real.hpp"

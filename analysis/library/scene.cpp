@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "analysis/library/handles.hpp"
+#include "number/real.hpp"
 #include "scene/rays/rays.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"

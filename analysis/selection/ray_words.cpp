@@ -12,6 +12,7 @@
 #include "analysis/selection/sweep_options.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
+#include "number/real.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"

@@ -58,8 +58,8 @@ Interval::Interval(double x) : point_{x, 0}, bits_(working_) {
     make_ends();
     settle(Undefined::never);
 }
-Interval::Interval(const Real& x) : Interval(Ends()) {
-    mpfi_set_fr(value_, x.backend().data());
+Interval::Interval(mpfr_srcptr x) : Interval(Ends()) {
+    mpfi_set_fr(value_, x);
     settle(Undefined::never);
 }
 Interval::Interval(const Interval& other)

@@ -8,7 +8,6 @@
 
 #include "number/concept.hpp"
 #include "number/error_free.hpp"
-#include "number/real.hpp"
 #include "number/tri.hpp"
 
 namespace lostbits {
@@ -37,8 +36,12 @@ public:
     explicit Interval(int x);
     /// Exact when the working precision is 53 or more.
     explicit Interval(double x);
-    /// Exact when the working precision is at least that of `Real`.
-    explicit Interval(const Real& x);
+    explicit Interval(mpfr_srcptr x);
+    /// A `Real` of any width: exact when the working precision is at least as much. A template, since the header of
+    /// `Real` takes a compiler three seconds.
+    template <class R>
+    requires requires(const R& x) { x.backend().data(); }
+    explicit Interval(const R& x) : Interval(static_cast<mpfr_srcptr>(x.backend().data())) {}
     Interval(const Interval& other);
     Interval(Interval&& other) noexcept;
     Interval& operator=(const Interval& other);

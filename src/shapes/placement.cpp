@@ -5,6 +5,7 @@
 
 #include "number/error.hpp"
 #include "number/interval.hpp"
+#include "number/real.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits {

@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "geometry/vec.hpp"
 #include "number/kind.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::test {
 namespace {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "intersect/device/probe_program.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::intersect::device {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include <lostbits_plugin.h>
-#include "intersect/doors/formulas.hpp"
+#include "intersect/doors/formula.hpp"
 #include "intersect/table/arithmetics.hpp"
 #include "number/archetype.hpp"
 #include "number/error.hpp"

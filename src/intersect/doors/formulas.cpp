@@ -7,6 +7,7 @@
 #include "intersect/doors/contract.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {

@@ -9,6 +9,7 @@
 #include "intersect/table/table.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::intersect::space {

@@ -9,6 +9,7 @@
 #include "measure/answer/mesh_outcomes.hpp"
 #include "measure/answer/owners.hpp"
 #include "measure/truth/band.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::measure::answer {

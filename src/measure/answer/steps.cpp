@@ -9,6 +9,7 @@
 #include "intersect/space/spaced.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "number/with_number.hpp"
 #include "shapes/lift.hpp"

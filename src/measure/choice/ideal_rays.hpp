@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/truth/band.hpp"
+#include "number/real.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::choice {

@@ -9,6 +9,7 @@
 #include "measure/choice/file_rays.hpp"
 #include "measure/choice/ideal_rays.hpp"
 #include "measure/truth/band.hpp"
+#include "number/real.hpp"
 #include "scene/file/stretch.hpp"
 
 namespace lostbits::measure::choice {

@@ -11,6 +11,7 @@
 
 #include "geometry/ray.hpp"
 #include "number/format.hpp"
+#include "number/real.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/solid_list.hpp"
 

@@ -11,6 +11,7 @@
 #include "measure/answer/self.hpp"
 #include "measure/evaluate/row_parts.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::measure::evaluate {
 

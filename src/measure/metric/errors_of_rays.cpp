@@ -4,6 +4,7 @@
 
 #include "measure/metric/values.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "number/real.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::metric {

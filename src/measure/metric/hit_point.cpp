@@ -9,6 +9,7 @@
 #include "measure/metric/values.hpp"
 #include "measure/truth/enclose.hpp"
 #include "number/ball.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "number/tape.hpp"
 #include "shapes/box/forms/slab.hpp"

@@ -14,6 +14,7 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "shapes/solid.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "number/error.hpp"
+#include "number/real.hpp"
 #include "scene/file/stretch.hpp"
 
 namespace lostbits::measure::offset {

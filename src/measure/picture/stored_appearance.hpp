@@ -5,6 +5,7 @@
 
 #include "measure/picture/shade.hpp"
 #include "number/format.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::measure::picture {

@@ -6,6 +6,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/enclose.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::measure::picture {
 

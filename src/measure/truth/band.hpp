@@ -10,6 +10,7 @@
 #include "intersect/process/stop_token.hpp"
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/truth_columns.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/made_rays.hpp"

@@ -5,6 +5,7 @@
 
 #include "measure/truth/certified.hpp"
 #include "measure/truth/enclose.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -12,6 +12,7 @@
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/gathered.hpp"
 #include "measure/truth/truth_columns.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::measure::truth {
 

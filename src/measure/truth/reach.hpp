@@ -7,6 +7,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/format.hpp"
+#include "number/real.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::truth {

@@ -9,6 +9,7 @@
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/truth/certified.hpp"
+#include "number/real.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::truth {

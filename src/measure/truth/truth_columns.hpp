@@ -11,6 +11,7 @@
 #include "measure/culling/culling.hpp"
 #include "measure/stages/raw_stages.hpp"
 #include "measure/truth/truth.hpp"
+#include "number/real.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "number/real.hpp"
 #include "scene/toml/parse_number.hpp"
 
 namespace lostbits::scene::claim {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "number/real.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 

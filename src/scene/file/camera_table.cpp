@@ -1,5 +1,6 @@
 #include <array>
 
+#include "number/real.hpp"
 #include "scene/file/stretch.hpp"
 #include "scene/file/tables.hpp"
 #include "scene/toml/did_you_mean.hpp"

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::scene::file {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/toml/round.hpp"
 #include "scene/toml/toml_reader.hpp"

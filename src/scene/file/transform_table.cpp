@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "number/real.hpp"
 #include "scene/file/tables.hpp"
 #include "shapes/given_matrix.hpp"
 

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "geometry/ray.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/toml/round.hpp"
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/toml/round.hpp"
 

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "number/real.hpp"
 #include "scene/camera/makers.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"

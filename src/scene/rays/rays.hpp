@@ -10,6 +10,7 @@
 #include "geometry/range.hpp"
 #include "intersect/march.hpp"
 #include "number/format.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "shapes/solid.hpp"
 

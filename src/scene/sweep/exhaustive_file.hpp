@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "intersect/info.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/solid_list.hpp"

@@ -7,6 +7,7 @@
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
+#include "number/real.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/solid_list.hpp"
 #include "scene/sweep/families.hpp"

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "number/format.hpp"
+#include "number/real.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace lostbits::scene::toml {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/vec.hpp"
+#include "number/real.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_tree.hpp"
 

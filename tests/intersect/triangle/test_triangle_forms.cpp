@@ -7,6 +7,7 @@
 #include "counts.hpp"
 #include "intersect/ask_row.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
+#include "number/real.hpp"
 #include "shapes/lift.hpp"
 #include "shapes/triangle/forms/baldwin_weber.hpp"
 #include "shapes/triangle/forms/havel_herout.hpp"

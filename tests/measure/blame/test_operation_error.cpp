@@ -3,6 +3,7 @@
 
 #include "catch.hpp"
 #include "number/draw.hpp"
+#include "number/real.hpp"
 #include "number/recorded.hpp"
 
 namespace lostbits::test::test_operation_error {

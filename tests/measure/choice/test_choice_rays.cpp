@@ -8,6 +8,7 @@
 #include "measure/choice/room.hpp"
 #include "measure/rows.hpp"
 #include "number/error.hpp"
+#include "number/real.hpp"
 #include "scene/dump/dump_writer.hpp"
 
 namespace lostbits::test::test_choice_rays {

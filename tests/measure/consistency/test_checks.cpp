@@ -5,6 +5,7 @@
 #include "catch.hpp"
 #include "measure/consistency/segments.hpp"
 #include "measure/rows.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 
 namespace test_checks {

@@ -5,6 +5,7 @@
 #include "measure/answer/one_ray.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/rows.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::test::test_march {
 

@@ -12,6 +12,7 @@
 #include "intersect/ways.hpp"
 #include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
+#include "number/real.hpp"
 #include "output/mend/form_code.hpp"
 #include "output/mend/mend_files.hpp"
 #include "scene/file/scene.hpp"

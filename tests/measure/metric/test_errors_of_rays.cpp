@@ -4,6 +4,7 @@
 #include "catch.hpp"
 #include "measure/metric/metrics.hpp"
 #include "number/format.hpp"
+#include "number/real.hpp"
 
 namespace test_errors_of_rays {
 

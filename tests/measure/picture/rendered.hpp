@@ -8,6 +8,7 @@
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/toml/round.hpp"

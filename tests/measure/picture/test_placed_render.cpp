@@ -2,6 +2,7 @@
 #include "intersect/space/spaced.hpp"
 #include "intersect/ways.hpp"
 #include "measure/picture/rendered.hpp"
+#include "number/real.hpp"
 #include "shapes/lift.hpp"
 
 namespace test_placed_render {

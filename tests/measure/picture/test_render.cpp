@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "measure/picture/rendered.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 

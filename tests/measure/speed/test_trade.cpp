@@ -8,6 +8,7 @@
 #include "measure/rows.hpp"
 #include "measure/speed/scene_work.hpp"
 #include "measure/speed/trade.hpp"
+#include "number/real.hpp"
 #include "scene/file/scene.hpp"
 
 namespace test_trade {

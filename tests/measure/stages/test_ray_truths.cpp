@@ -5,6 +5,7 @@
 #include "measure/stages/hard_problems.hpp"
 #include "measure/truth/ranges.hpp"
 #include "measure/truth/truth_columns.hpp"
+#include "number/real.hpp"
 
 namespace test_ray_truths {
 

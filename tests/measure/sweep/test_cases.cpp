@@ -7,6 +7,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
+#include "number/real.hpp"
 
 namespace test_cases {
 

@@ -12,6 +12,7 @@
 #include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
+#include "number/real.hpp"
 
 namespace test_exhaustive {
 

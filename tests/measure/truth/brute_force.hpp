@@ -13,6 +13,7 @@
 #include <mpfr.h>
 
 #include "measure/truth/textbook.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::test::textbook {
 

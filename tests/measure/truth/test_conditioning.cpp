@@ -9,6 +9,7 @@
 #include "measure/truth/reach_of_t.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
+#include "number/real.hpp"
 #include "scene/sweep/families.hpp"
 
 namespace test_conditioning {

@@ -10,6 +10,7 @@
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/reach.hpp"
 #include "measure/truth/truth.hpp"
+#include "number/real.hpp"
 
 namespace lostbits::test::test_reach_of_kinds {
 

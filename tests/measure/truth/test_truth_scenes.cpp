@@ -6,6 +6,7 @@
 #include "measure/truth/ray_builders.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
+#include "number/real.hpp"
 
 namespace test_truth_scenes {
 

@@ -8,6 +8,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/camera/makers.hpp"
 #include "scene/rays/made_rays.hpp"
 #include "scene/scene_text.hpp"

@@ -2,6 +2,7 @@
 #include "scene/file/appearance.hpp"
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"

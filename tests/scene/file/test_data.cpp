@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/scene_text.hpp"
 
 namespace test_scene_file {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/scene_text.hpp"
 
 namespace test_camera {

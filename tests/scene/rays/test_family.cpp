@@ -6,6 +6,7 @@
 #include <set>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/scene_text.hpp"
 
 namespace test_family {

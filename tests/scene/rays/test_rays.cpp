@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/lost_lengths.hpp"
 #include "scene/rays/rays.hpp"

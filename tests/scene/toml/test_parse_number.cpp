@@ -6,6 +6,7 @@
 #include <mpfr.h>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/parse_number.hpp"

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "catch.hpp"
+#include "number/real.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/toml_reader.hpp"

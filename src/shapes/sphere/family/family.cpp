@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "number/real.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sphere {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "number/error.hpp"
+#include "number/real.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sphere {

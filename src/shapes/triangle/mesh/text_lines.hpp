@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "number/real.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
