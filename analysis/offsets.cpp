@@ -111,7 +111,7 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
 
 Exit run(const OffsetOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto& usual = measure::offset::usual_forms;
+    const auto& usual = measure::offset::usual_forms();
     auto rows =
         selection::cross(selection::select_forms(selection::form_words_or(o.forms, {usual.begin(), usual.end()})),
                          selection::select_formats(o.formats));

@@ -104,9 +104,8 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
 }
 
 /// Texts of the program's as a list of the interface's; they end with a zero byte.
-template <std::size_t n>
-std::array<const char*, n> words_in(const std::array<std::string_view, n>& texts) {
-    std::array<const char*, n> words;
+std::vector<const char*> words_in(const std::vector<std::string_view>& texts) {
+    std::vector<const char*> words(texts.size());
     std::ranges::transform(texts, words.begin(), &std::string_view::data);
     return words;
 }
@@ -233,7 +232,7 @@ int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategi
     return guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        const auto usual = words_in(measure::offset::usual_forms);
+        const auto usual = words_in(measure::offset::usual_forms());
         const char* const format = measure::offset::usual_format.data();
         lostbits_choice given = choice ? *choice : lostbits_choice{};
         if (given.forms.count == 0 && given.own_count == 0) given.forms = {usual.data(), usual.size()};

@@ -182,7 +182,8 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     namespace offset = measure::offset;
     offset::OffsetRequest request{
         .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
-    const auto forms = selection::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
+    const auto& usual = offset::usual_forms();
+    const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
     const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "intersect/process/parallel.hpp"
@@ -163,6 +164,29 @@ void require_few_solids(const Scene& scene) {
 
 bool can_be_asked(const intersect::table::Intersector& form) {
     return is_solid(form.shape) && form.info->roots != intersect::Roots::none;
+}
+
+const std::vector<std::string_view>& usual_forms() {
+    // The forms that renderers use; of a shape that is not listed, the first of the catalogue that tells t.
+    constexpr std::array<std::string_view, 11> preferred{
+        "sphere.half_b",    "box.ieee_minmax",       "triangle.moller_trumbore",
+        "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",
+        "tube.framed",      "cone.framed",           "disc.framed",
+        "plane.quotient",   "torus.closest_approach"};
+    static const std::vector<std::string_view> all = [&] {
+        std::vector<std::string_view> names;
+        for (const ShapeRow& shape : shape_rows) {
+            std::string_view name;
+            for (const auto& form : intersect::table::catalogue()) {
+                if (form.shape != shape.shape || !can_be_asked(form)) continue;
+                const bool is_preferred = std::ranges::find(preferred, form.info->name) != preferred.end();
+                if (name.empty() || is_preferred) name = form.info->name;
+            }
+            if (!name.empty()) names.push_back(name);
+        }
+        return names;
+    }();
+    return all;
 }
 
 std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,

@@ -96,16 +96,9 @@ struct OffsetRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 
-/// What points and self-hits are measured by where nothing else is asked for: a form a shape, in the order of the
-/// shapes, in this format.
-inline constexpr std::array<std::string_view, shape_rows.size()> usual_forms{
-    "sphere.half_b",    "box.ieee_minmax",       "triangle.moller_trumbore",
-    "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",
-    "tube.framed",      "cone.framed",           "disc.framed",
-    "plane.quotient",   "torus.closest_approach"};
-static_assert(std::ranges::equal(usual_forms, shape_rows, [](std::string_view form, const ShapeRow& of) {
-    return form.substr(0, form.find('.')) == of.name;
-}));
+/// The forms that points and self-hits are measured by where none is named, one a shape in the order of the shapes, and
+/// their format.
+const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
 /// More solids than these are too many to hold each point against all of them.

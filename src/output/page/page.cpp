@@ -209,7 +209,7 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
         "solid. "
         "Here the points are those that {} computes in {}, of boxes {}. Of every strategy, the share of rays that go "
         "wrong (a start on the wrong side alone does no harm, and does not count):</p>\n<div class=\"wide\">{}</div>\n",
-        measure::offset::usual_forms[0], measure::offset::usual_format, measure::offset::usual_forms[1],
+        measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
     for (const OffsetPart& o : offsets) {
         std::string words = about(o.note, o.source);

@@ -163,7 +163,7 @@ TEST_CASE("offsets: a flat piece is left to either side, and not asking it is ri
 
 TEST_CASE("offsets: every kind of primitive has a form that is asked where none is named", "[measure][offset]") {
     for (const ShapeRow& shape : shape_rows) {
-        const auto name = usual_forms[static_cast<std::size_t>(shape.shape)];
+        const auto name = usual_forms()[static_cast<std::size_t>(shape.shape)];
         const auto& form = test::form_named(name);
         CHECK(form.shape == shape.shape);
         CHECK(can_be_asked(form));
