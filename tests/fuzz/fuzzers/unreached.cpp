@@ -1,6 +1,9 @@
 // What lies in one file with a reader, or in one class, and needs half of the program: nothing of it is called here.
 #include <stdexcept>
 
+#include "intersect/hull/behind.hpp"
+#include "intersect/hull/hulls.hpp"
+#include "intersect/space/spaced.hpp"
 #include "measure/columns/columns.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/result_folder.hpp"
@@ -9,6 +12,19 @@
 namespace {
 [[noreturn]] void unreached() { throw std::logic_error("a reader does more than reading"); }
 }  // namespace
+
+namespace lostbits::intersect {
+namespace hull {
+const HullWay& usual_hull() { unreached(); }
+const table::Intersector& behind(const HullWay& /*way*/, const table::Intersector& /*box*/,
+                                 const table::Intersector& /*form*/) {
+    unreached();
+}
+}  // namespace hull
+namespace space {
+const table::Intersector& through(const Space& /*space*/, const table::Intersector& /*form*/) { unreached(); }
+}  // namespace space
+}  // namespace lostbits::intersect
 
 namespace lostbits::measure::columns {
 void add_sizes(std::span<const double> /*values*/, RawSizes& /*sizes*/) { unreached(); }
