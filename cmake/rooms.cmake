@@ -1,5 +1,5 @@
-# lostbits_join_sources(TARGET ROOMS): the sources in folders whose path matches are handed to the compiler by 64 KiB and
-# more at a time, in the order of their paths. What they share, the library's templates above all, is compiled once for
+# lostbits_join_sources(TARGET ROOMS): the sources in folders whose path matches are handed to the compiler some 600 kB
+# at a time, in the order of their paths. What they share, the library's templates above all, is compiled once for
 # all of them: a clean build of the program took 650 s of processor without this. A room is a namespace, so two names of
 # two of its files must differ even where they are local. The preset `dev` compiles each source by itself, and finds what
 # one takes from another's includes.
