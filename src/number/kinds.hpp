@@ -39,8 +39,8 @@ using RunnableNumbers = TypeList<  //
     Pack<double, Registers<16>>,   //
     Counted<float>,                // what does it cost in operations?
     Counted<double>,               //
-    Recorded<float>,               // which operation lost the bits?
-    Recorded<double>,              //
+    Recorded,                      // which operation lost the bits?
+    RecordedInDouble,              //
     Bounded<float>,                // how wrong can it be, by its own account?
     Bounded<double>                //
     >;

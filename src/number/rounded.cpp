@@ -11,6 +11,7 @@
 namespace lostbits {
 
 constinit thread_local const FloatFormat* CurrentFormat::current_ = nullptr;
+constinit thread_local CurrentFormat::Engine CurrentFormat::engine_ = CurrentFormat::Engine::rounding;
 
 void CurrentFormat::refuse() {
     throw Error(Exit::internal,

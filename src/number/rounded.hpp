@@ -24,6 +24,7 @@ double sqrt_reference(double a, const FloatFormat& f);
 double fma_reference(double a, double b, double c, const FloatFormat& f);
 
 double add(double a, double b, const FloatFormat& f);
+inline double sub(double a, double b, const FloatFormat& f) { return add(a, -b, f); }
 double mul(double a, double b, const FloatFormat& f);
 double div(double a, double b, const FloatFormat& f);
 double sqrt(double a, const FloatFormat& f);
@@ -42,23 +43,32 @@ public:
         return *current_;
     }
 
+    /// What computes in it: the machine, where the format is one of the machine's own.
+    enum class Engine : std::uint8_t { machine_float, machine_double, rounding };
+    static Engine engine() { return engine_; }
+
     /// Sets the thread's format for the lifetime of the scope.
     class Scope {
     public:
-        explicit Scope(const FloatFormat& f) : format_(f), before_(current_) { current_ = &format_; }
-        ~Scope() { current_ = before_; }
+        explicit Scope(const FloatFormat& f) : format_(f), before_(current_), engine_before_(engine_) {
+            current_ = &format_;
+            engine_ = f == binary32 ? Engine::machine_float : f == binary64 ? Engine::machine_double : Engine::rounding;
+        }
+        ~Scope() { current_ = before_, engine_ = engine_before_; }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
 
     private:
         FloatFormat format_;
         const FloatFormat* before_;
+        Engine engine_before_;
     };
 
 private:
     [[noreturn]] static void refuse();
     // constinit: other files read it without asking first whether it has been initialised.
     static constinit thread_local const FloatFormat* current_;
+    static constinit thread_local Engine engine_;
 };
 
 template <int P, int Emin, int Emax>
@@ -76,20 +86,23 @@ public:
     explicit BasicRounded(int x) : value_(rounding::to_format(x, 0, F::get())) {}
     explicit BasicRounded(double x) : value_(rounding::to_format(x, 0, F::get())) {}
 
+    /// A double that is a number of the format.
+    static BasicRounded holding(double value) { return made(value); }
+
     [[nodiscard]] double value() const { return value_; }
     static FloatFormat format() { return F::get(); }
 
     friend BasicRounded operator+(BasicRounded a, BasicRounded b) {
-        return made(rounding::add(a.value_, b.value_, F::get()));
+        return computed([](auto x, auto y) { return x + y; }, rounding::add, a, b);
     }
     friend BasicRounded operator-(BasicRounded a, BasicRounded b) {
-        return made(rounding::add(a.value_, -b.value_, F::get()));
+        return computed([](auto x, auto y) { return x - y; }, rounding::sub, a, b);
     }
     friend BasicRounded operator*(BasicRounded a, BasicRounded b) {
-        return made(rounding::mul(a.value_, b.value_, F::get()));
+        return computed([](auto x, auto y) { return x * y; }, rounding::mul, a, b);
     }
     friend BasicRounded operator/(BasicRounded a, BasicRounded b) {
-        return made(rounding::div(a.value_, b.value_, F::get()));
+        return computed([](auto x, auto y) { return x / y; }, rounding::div, a, b);
     }
     friend BasicRounded operator-(BasicRounded a) { return made(-a.value_); }
     // glm::vec's element-wise operators are written through these.
@@ -103,9 +116,11 @@ public:
     friend bool operator>=(BasicRounded a, BasicRounded b) { return a.value_ >= b.value_; }
     friend bool operator==(BasicRounded a, BasicRounded b) { return a.value_ == b.value_; }
 
-    friend BasicRounded sqrt(BasicRounded a) { return made(rounding::sqrt(a.value_, F::get())); }
+    friend BasicRounded sqrt(BasicRounded a) {
+        return computed([](auto x) { return std::sqrt(x); }, rounding::sqrt, a);
+    }
     friend BasicRounded fma(BasicRounded a, BasicRounded b, BasicRounded c) {
-        return made(rounding::fma(a.value_, b.value_, c.value_, F::get()));
+        return computed([](auto x, auto y, auto z) { return std::fma(x, y, z); }, rounding::fma, a, b, c);
     }
     friend BasicRounded abs(BasicRounded a) { return made(std::fabs(a.value_)); }
     friend BasicRounded copysign(BasicRounded a, BasicRounded b) { return made(std::copysign(a.value_, b.value_)); }
@@ -117,6 +132,16 @@ private:
         BasicRounded r;
         r.value_ = value;
         return r;
+    }
+    /// By the machine, where the format is known at run time and the machine's own.
+    template <class Native, class Rounding, class... X>
+    static BasicRounded computed(const Native& native, const Rounding& rounded, X... x) {
+        if constexpr (std::same_as<F, CurrentFormat>) {
+            const CurrentFormat::Engine engine = CurrentFormat::engine();
+            if (engine == CurrentFormat::Engine::machine_float) return made(native(static_cast<float>(x.value_)...));
+            if (engine == CurrentFormat::Engine::machine_double) return made(native(x.value_...));
+        }
+        return made(rounded(x.value_..., F::get()));
     }
     double value_ = 0;
 };

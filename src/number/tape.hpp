@@ -170,24 +170,6 @@ public:
         if (TapeNode& n = (*this)[i]; n.label.empty() && is_operation(n.op)) n.label = label;
     }
 
-    /// The tape that this thread records on; null: none, and then Recorded is its number alone.
-    static Tape*& current() {
-        static thread_local Tape* tape = nullptr;
-        return tape;
-    }
-
-    /// Records on `tape` for the lifetime of the scope.
-    class Scope {
-    public:
-        explicit Scope(Tape& tape) : before_(current()) { current() = &tape; }
-        ~Scope() { current() = before_; }
-        Scope(const Scope&) = delete;
-        Scope& operator=(const Scope&) = delete;
-
-    private:
-        Tape* before_;
-    };
-
 private:
     std::uint8_t place_of(const FloatFormat& format) {
         for (std::size_t i = 0; i < formats.size(); ++i) {

@@ -7,6 +7,7 @@
 
 #include "number/draw.hpp"
 #include "number/kinds.hpp"
+#include "number/tape_recorder.hpp"
 
 namespace lostbits::test {
 
@@ -74,22 +75,31 @@ struct Kind<T> {
     static double value(T x) {
         if constexpr (std::is_floating_point_v<T>) return x;
         else if constexpr (is_pack<T>) return in_every_lane(x);
+        else if constexpr (std::same_as<T, Recorded>) return x.value().value();
         else return x.value();
     }
     static bool is(T x, int v) { return value(x) == v; }
     static bool is_undefined(T x) { return std::isnan(value(x)); }
 
-    /// What is chosen anew for each round: a format for the number that has one at run time only.
+    static FloatFormat any_format(Random& random) {
+        if (random.one_in(4)) return random.one_in(2) ? binary32 : binary64;
+        const int p = static_cast<int>(random.between(2, 53)), wide = static_cast<int>(random.between(0, 2));
+        return wide == 0   ? FloatFormat{p, -1022, 1023}
+               : wide == 1 ? FloatFormat{p, -126, 127}
+                           : FloatFormat{p, -14, 15};
+    }
+
+    /// What is chosen anew for each round: a format for the numbers that have one at run time only.
     struct Setting {
         explicit Setting(Random& random) {
-            if constexpr (std::same_as<T, RoundedAny>) {
-                const int p = static_cast<int>(random.between(2, 53)), wide = static_cast<int>(random.between(0, 2));
-                scope = std::make_unique<CurrentFormat::Scope>(wide == 0   ? FloatFormat{p, -1022, 1023}
-                                                               : wide == 1 ? FloatFormat{p, -126, 127}
-                                                                           : FloatFormat{p, -14, 15});
-            }
+            if constexpr (std::same_as<T, RoundedAny>)
+                scope = std::make_unique<CurrentFormat::Scope>(any_format(random));
+            else if constexpr (tells_of_operations<T>)
+                recorder = std::make_unique<TapeRecorder>(tape, any_format(random));
         }
+        Tape tape;
         std::unique_ptr<CurrentFormat::Scope> scope;
+        std::unique_ptr<TapeRecorder> recorder;
     };
     static std::array<Operand<T>, 3> draw(Random& random, Op op) {
         const auto [a, b, c] = draw_operands(random, format(), op);

@@ -169,39 +169,35 @@ Hit<E> enclose(void* own, const Ray<E>& ray, const Target<E>& target) {
     return answer_of(of(own).in(*find_format("f32")), ray, target.solids.front(), table::unlimited<E>());
 }
 
-template <class F>
-void write_on(Tape& tape, const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
-              double end) {
-    const Tape::Scope scope(tape);
-    const LiftedInputs<Recorded<F>> in(ray, target, end);
-    const Hit<Recorded<F>> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
-    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
+                           double end) {
+    const LiftedInputs<Recorded> in(ray, target, end);
+    return answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
 }
 
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    with_number(format, [&]<class F>() { write_on<F>(tape, of(own).in(format), ray, target, end); });
+    TapeRecorder recorder(tape, format.parameters);
+    const Hit<Recorded> hit = recorded_hit(of(own).in(format), ray, target, end);
+    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
 
 void record_all(void* own, const Target<double>& target, Tape& tape) {
     record(own, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
 }
 
-/// What the formula of a format answers to inputs in any number.
-auto asks(void* own, const Format& format) {
-    return [&formula = of(own).in(format)](const auto& in) {
-        return answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
-    };
-}
-
 OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& target, float end) {
-    return table::counted_by(asks(own, *find_format("f32")), ray, target, end);
+    const WrittenFormula& formula = of(own).in(*find_format("f32"));
+    const auto ask = [&formula](const auto& in, const auto& aim, const auto& tmax) {
+        return answer_of(formula, in, aim.solids.front(), tmax);
+    };
+    return table::counted_by(ask, ray, target, end);
 }
 
 std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    return table::bounded_by(asks(own, format), format, ray, target, end);
+    return table::bounded_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format);
 }
 
 /// Which operands of an operation are decisions.

@@ -6,7 +6,7 @@
 #include "intersect/space/list.hpp"
 #include "intersect/space/raw_steps.hpp"
 #include "number/recorded.hpp"
-#include "number/with_number.hpp"
+#include "number/tape_recorder.hpp"
 
 namespace lostbits::intersect::space {
 
@@ -155,26 +155,22 @@ void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumn
 
 template <class L>
 void record(const Format& format, Tape& tape, const WorldNodes& world, const RecordForm& form) {
-    with_number(format, [&]<class F>() {
-        using T = Recorded<F>;
-        const Tape::Scope scope(tape);
-        const auto at = [&tape](NodeId node) { return T::at(node, static_cast<F>(tape[node].value)); };
-        const auto vec = [&](const auto& nodes, std::size_t k) {
-            return Vec<T>(at(nodes[k]), at(nodes[k + 1]), at(nodes[k + 2]));
-        };
-        const Ray<T> ray{vec(world.ray, 0), vec(world.ray, 3)};
-        const Affine<T> stored = Affine<T>::of([&](std::size_t k) { return at(world.matrix[k]); });
-        const Affine<T> other = L::inverse(stored);
-        const Maps<T> maps = world.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
-        const ObjectRay<T> in =
-            L::finish(maps, ray.origin, Ray<T>{L::origin(maps, ray.origin), L::direction(maps, ray.direction)});
-        const Vec<T>&o = in.ray.origin, &d = in.ray.direction;
-        TapeOutputs answer = form({{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()},
-                                   in.length.node(),
-                                   in.scale.node()});
-        for (NodeId* const t : {&answer.t, &answer.near, &answer.far}) *t = L::back(maps, ray, in, at(*t)).node();
-        tape.outputs = answer;
-    });
+    using T = Recorded;
+    TapeRecorder recorder(tape, format.parameters);
+    const auto vec = [](const auto& nodes, std::size_t k) {
+        return Vec<T>(T::at(nodes[k]), T::at(nodes[k + 1]), T::at(nodes[k + 2]));
+    };
+    const Ray<T> ray{vec(world.ray, 0), vec(world.ray, 3)};
+    const Affine<T> stored = Affine<T>::of([&](std::size_t k) { return T::at(world.matrix[k]); });
+    const Affine<T> other = L::inverse(stored);
+    const Maps<T> maps = world.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
+    const ObjectRay<T> in =
+        L::finish(maps, ray.origin, Ray<T>{L::origin(maps, ray.origin), L::direction(maps, ray.direction)});
+    const Vec<T>&o = in.ray.origin, &d = in.ray.direction;
+    TapeOutputs answer = form(
+        {{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()}, in.length.node(), in.scale.node()});
+    for (NodeId* const t : {&answer.t, &answer.near, &answer.far}) *t = L::back(maps, ray, in, T::at(*t)).node();
+    tape.outputs = answer;
 }
 
 template <class L>

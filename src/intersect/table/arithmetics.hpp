@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/kernels.hpp"
-#include "number/bounded.hpp"
+#include "number/bounds_recorder.hpp"
 #include "number/counted.hpp"
 #include "number/interval.hpp"
 #include "number/recorded.hpp"
+#include "number/tape_recorder.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::intersect::table {
@@ -57,20 +57,6 @@ struct LiftedInputs {
     }
 };
 
-/// A form as what it answers to inputs in each of some numbers: of one type for all forms.
-template <class... T>
-struct AskInputs {
-    std::tuple<AskTarget<T, sdf::Unwatched>...> ask;
-
-    template <class X>
-    Hit<X> operator()(const LiftedInputs<X>& in) const {
-        sdf::Unwatched unwatched;
-        return std::get<AskTarget<X, sdf::Unwatched>>(ask)(in.ray, in.target.get(), in.tmax, unwatched, 0);
-    }
-};
-template <class Form, class... T>
-inline constexpr AskInputs<T...> ask_inputs{{intersect_target<Form, T, sdf::Unwatched>...}};
-
 template <class Form, class T>
 MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> in(ray, target, 0.0);
@@ -82,40 +68,47 @@ MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
 
 template <class Form>
 MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
-    return with_number(format, [&]<class T>() { return logged<Form, T>(ray, target); });
+    const CurrentFormat::Scope scope(format.parameters);
+    return logged<Form, RoundedAny>(ray, target);
 }
 
 /// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
 /// for them.
-template <class T>
 struct SampleMarks : sdf::Unwatched {
-    void operator()(const RecordedMask& /*active*/, const T& t, const Vec<T>& p, const T& d) const {
+    void operator()(const RecordedMask& /*active*/, const Recorded& t, const Vec<Recorded>& p,
+                    const Recorded& d) const {
         named("t", t);
         named("p.x", p.x);
         named("p.y", p.y);
         named("p.z", p.z);
         named("d", d);
-        if (Tape* const tape = Tape::current()) tape->samples.push_back(tape->nodes.size());
+        Recorder::current().end_sample();
     }
 };
 
-template <class F, class T = Recorded<F>>
-void evaluate_on(AskTarget<T, SampleMarks<T>> ask, Tape& tape, const Ray<double>& ray, const Target<double>& target,
-                 double tmax) {
-    const Tape::Scope scope(tape);
-    const LiftedInputs<T> in(ray, target, tmax);
-    SampleMarks<T> marks;
-    const Hit<T> hit = ask(in.ray, in.target.get(), in.tmax, marks, 0);
-    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+/// A form over `Recorded`: one function for every recorder and format.
+using AskRecorded = AskTarget<Recorded, SampleMarks>;
+template <class Form>
+inline constexpr AskRecorded ask_recorded = intersect_target<Form>;
+
+/// What `ask` answers to inputs that the thread's recorder takes in the order of `input_names`.
+inline Hit<Recorded> recorded_hit(AskRecorded ask, const Ray<double>& ray, const Target<double>& target, double tmax) {
+    const LiftedInputs<Recorded> in(ray, target, tmax);
+    SampleMarks marks;
+    return ask(in.ray, in.target.get(), in.tmax, marks, 0);
 }
 
-template <class Form, class F, class T = Recorded<F>>
-inline constexpr AskTarget<T, SampleMarks<T>> ask_and_mark = intersect_target<Form>;
+inline void evaluate_on(AskRecorded ask, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
+                        const Target<double>& target, double tmax) {
+    TapeRecorder recorder(tape, format);
+    const Hit<Recorded> hit = recorded_hit(ask, ray, target, tmax);
+    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+}
 
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
     tape.clear();
-    with_number(format, [&]<class F>() { evaluate_on<F>(ask_and_mark<Form, F>, tape, ray, target, tmax); });
+    evaluate_on(ask_recorded<Form>, tape, format.parameters, ray, target, tmax);
 }
 
 /// Two samples of a march, and each refinement once or twice, are all that there is: what follows does the same again.
@@ -129,33 +122,27 @@ void record_all_of(const Target<double>& target, Tape& tape) {
         few.max_steps = 3;
         few.secant_steps = std::min(few.secant_steps, 2);
         few.bisect_steps = std::min(few.bisect_steps, 2);
-        evaluate_on<float>(ask_and_mark<Form, float>, tape, any, Target<double>(target.solids, few), HUGE_VAL);
+        evaluate_on(ask_recorded<Form>, tape, binary32, any, Target<double>(target.solids, few), HUGE_VAL);
     } else {
-        evaluate_on<float>(ask_and_mark<Form, float>, tape, any, target, HUGE_VAL);
+        evaluate_on(ask_recorded<Form>, tape, binary32, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
 }
 
-/// What `ask(inputs)` answers over `Bounded`.
+/// The answer of `ask()`, which runs over `Recorded`, with its own bounds.
 template <class Ask>
-std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format, const Ray<double>& ray,
-                                        const Target<double>& target, double tmax) {
-    const auto in = [&]<class F>() {
-        const Hit<Bounded<F>> hit = ask(LiftedInputs<Bounded<F>>(ray, target, tmax));
-        return BoundedAnswer{hit.hit.value(), hit.hit.is_proved(), double{hit.t.value()}, double{hit.t.error()}};
-    };
-    switch (format.engine) {
-        case Format::Engine::native32: return in.template operator()<float>();
-        case Format::Engine::native64: return in.template operator()<double>();
-        case Format::Engine::rounded: break;
-    }
-    return std::nullopt;
+std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format) {
+    if (format.engine == Format::Engine::rounded) return std::nullopt;
+    BoundsRecorder recorder(format.parameters);
+    const Hit<Recorded> hit = ask();
+    return BoundedAnswer{hit.hit.value(), recorder.is_proved(hit.hit.node()), recorder.value(hit.t.node()),
+                         recorder.error(hit.t.node())};
 }
 
 template <class Form>
 std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
                                         double tmax) {
-    return bounded_by(ask_inputs<Form, Bounded<float>, Bounded<double>>, format, ray, target, tmax);
+    return bounded_by([&] { return recorded_hit(ask_recorded<Form>, ray, target, tmax); }, format);
 }
 
 /// Whether a form takes a watch that hears of wider arithmetic.
@@ -187,18 +174,23 @@ Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& t
     });
 }
 
-/// The operations of `ask(inputs)` in binary32.
+/// The operations of `ask(ray, target, tmax)` in binary32.
 template <class Ask>
 OperationCounts counted_by(const Ask& ask, const Ray<float>& ray, const Target<float>& target, float tmax) {
     const LiftedInputs<Counted<float>> in(ray, target, tmax);
     operation_counts() = {};
-    static_cast<void>(ask(in));
+    static_cast<void>(ask(in.ray, in.target.get(), in.tmax));
     return operation_counts();
 }
 
 template <class Form>
 OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
-    return counted_by(ask_inputs<Form, Counted<float>>, ray, target, tmax);
+    constexpr AskTarget<Counted<float>, sdf::Unwatched> ask = intersect_target<Form>;
+    const auto unwatched = [ask](const auto&... in) {
+        sdf::Unwatched watch;
+        return ask(in..., watch, 0);
+    };
+    return counted_by(unwatched, ray, target, tmax);
 }
 
 }  // namespace lostbits::intersect::table

@@ -4,7 +4,7 @@
 
 #include "intersect/table/in_range.hpp"
 #include "number/recorded.hpp"
-#include "number/with_number.hpp"
+#include "number/tape_recorder.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
@@ -26,16 +26,13 @@ void put_range_behind(Tape& tape, std::vector<std::string>& names, const interse
     if (range.is_whole()) return;
     const auto end = std::ranges::find(names, "ray.tmax");
     const NodeId tmax = input_of(tape, end - names.begin());
-    with_number(format, [&]<class F>() {
-        using T = Recorded<F>;
-        const Tape::Scope scope(tape);
-        const auto at = [&tape](NodeId i) { return T::at(i, static_cast<F>(tape[i].value)); };
-        const TapeOutputs said = tape.outputs;
-        const Hit<T> kept = intersect::table::in_range(
-            *form.info, form.shape, range, at(tmin), at(tmax),
-            Hit<T>{RecordedMask(tape[said.hit].value != 0, said.hit), at(said.t), at(said.near), at(said.far)});
-        tape.outputs = {kept.hit.node(), kept.t.node(), said.near, said.far};
-    });
+    TapeRecorder recorder(tape, format.parameters);
+    const auto at = [](NodeId i) { return Recorded::at(i); };
+    const TapeOutputs said = tape.outputs;
+    const Hit<Recorded> kept =
+        intersect::table::in_range(*form.info, form.shape, range, at(tmin), at(tmax),
+                                   Hit<Recorded>{RecordedMask(said.hit), at(said.t), at(said.near), at(said.far)});
+    tape.outputs = {kept.hit.node(), kept.t.node(), said.near, said.far};
 }
 
 }  // namespace lostbits::measure::blame

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "number/format.hpp"
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::number::wide {
@@ -18,6 +19,13 @@ using OneWord = typename Wider<T>::type;
 /// Whether `OneWord` is wider than T.
 template <class T>
 inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
+
+/// Whether the format of T is narrower than `OneWord`: of numbers whose format is chosen at run time, now.
+template <class T>
+bool widens() {
+    if constexpr (tells_of_operations<T> && has_wider_word<T>) return !(T::format() == binary64);
+    else return has_wider_word<T>;
+}
 
 /// Packs. Their rare, long functions are flattened, or every pack in them goes through memory; of others that would
 /// take the compiler minutes.
@@ -96,10 +104,9 @@ inline constexpr bool has_whole_range =
 /// Whether numbers of a wider word go below T's own. Some formats of fewer bits are as deep as double.
 template <class T>
 mask_t<T> goes_deeper() {
-    if constexpr (!has_wider_word<T>) return T(1) < T(0);
-    else if constexpr (std::same_as<OneWord<T>, double>)
+    if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
         return taken_to<double>(least_normal<T>()) > std::numeric_limits<double>::min();
-    else return T(0) < T(1);
+    else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
 }
 
 /// `f(in, out)` for each lane in which `ask` > 0: `in` are the lane's numbers as doubles, and what it leaves in `out`,

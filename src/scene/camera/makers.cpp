@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "number/recorded.hpp"
-#include "number/with_number.hpp"
+#include "number/tape_recorder.hpp"
 #include "scene/camera/list.hpp"
 
 namespace lostbits::scene::camera {
@@ -20,16 +20,14 @@ void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(co
 
 template <class M>
 std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, Place at, Tape& tape) {
-    return with_number(format, [&]<class F>() {
-        using T = Recorded<F>;
-        const Tape::Scope scope(tape);
-        const auto input = [](double x) { return T(x); };
-        const CameraNumbers<T> camera = stored.each(input);
-        const T x = input(at.x), y = input(at.y), left = input(at.x - 1);
-        const auto prepared = M::prepare(camera);
-        const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
-        return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};
-    });
+    using T = Recorded;
+    TapeRecorder recorder(tape, format.parameters);
+    const auto input = [](double x) { return T(x); };
+    const CameraNumbers<T> camera = stored.each(input);
+    const T x = input(at.x), y = input(at.y), left = input(at.x - 1);
+    const auto prepared = M::prepare(camera);
+    const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
+    return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};
 }
 
 }  // namespace

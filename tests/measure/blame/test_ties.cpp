@@ -8,6 +8,7 @@
 #include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "number/recorded.hpp"
+#include "number/tape_recorder.hpp"
 
 namespace lostbits::test::test_ties {
 
@@ -84,15 +85,15 @@ void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& 
 
 /// A tape by hand, in binary64. Sums at 2^53, whose ulp is 2: 2^53 + 1 rounds down and (2^53 + 2) + 1 up, both by 1.
 struct ByHand {
-    using T = Recorded<double>;
+    using T = Recorded;
     Tape tape;
-    Tape::Scope scope{tape};
+    TapeRecorder recorder{tape, binary64};
     T down() const { return T(0x1p53) + T(1.0); }
     T up() const { return T(0x1p53 + 2) + T(1.0); }
 };
 
 /// In every order of the tape.
-Attribution attribution_of(const ByHand& hand, const Recorded<double>& t) {
+Attribution attribution_of(const ByHand& hand, const Recorded& t) {
     Random random(3);
     const Attribution a = measure::blame::attribute(hand.tape, t.node());
     for (int k = 0; k < 50; ++k) {
@@ -108,8 +109,8 @@ Attribution attribution_of(const ByHand& hand, const Recorded<double>& t) {
 
 TEST_CASE("of two that cancel the culprit is the one that is computed from the other", "[ties]") {
     const ByHand hand;
-    const auto sum = hand.down();                // −1
-    const auto c = sum + Recorded<double>(3.0);  // 2^53 + 3, up by 1
+    const auto sum = hand.down();        // −1
+    const auto c = sum + Recorded(3.0);  // 2^53 + 3, up by 1
     const Attribution a = attribution_of(hand, c);
     CHECK(a[sum.node()].contribution == -1);
     CHECK(a[c.node()].contribution == 1);
@@ -122,8 +123,8 @@ TEST_CASE("of two that cancel the culprit is the one that is computed from the o
 
 TEST_CASE("of two that add up it is too", "[ties]") {
     const ByHand hand;
-    const auto sum = hand.up();                  // +1
-    const auto c = sum - Recorded<double>(1.0);  // (2^53 + 4) − 1, up by 1
+    const auto sum = hand.up();          // +1
+    const auto c = sum - Recorded(1.0);  // (2^53 + 4) − 1, up by 1
     const Attribution a = attribution_of(hand, c);
     CHECK(a.error == 2);
     CHECK(a.culprit == c.node());
@@ -149,7 +150,7 @@ TEST_CASE("of two that are not on one chain it is the nearer one, then the one t
 TEST_CASE("of three equals too", "[ties]") {
     for (const bool chain_first : {true, false}) {
         const ByHand hand;
-        const auto sum = hand.down(), c = sum + Recorded<double>(3.0), up = hand.up();
+        const auto sum = hand.down(), c = sum + Recorded(3.0), up = hand.up();
         const auto t = chain_first ? c + up : up + c;
         const Attribution a = attribution_of(hand, t);
         CHECK(a.culprit == (chain_first ? c : up).node());
@@ -160,8 +161,8 @@ TEST_CASE("of three equals too", "[ties]") {
 TEST_CASE("a side that is not taken makes no chain", "[ties]") {
     const ByHand hand;
     const auto down = hand.down(), other = hand.down();
-    const auto taken = select(Recorded<double>(1.0) < Recorded<double>(2.0), other, down);
-    const auto c = taken + Recorded<double>(3.0);
+    const auto taken = select(Recorded(1.0) < Recorded(2.0), other, down);
+    const auto c = taken + Recorded(3.0);
     const auto t = down + c;
     const Attribution a = attribution_of(hand, t);
     CHECK(a.culprit == down.node());
@@ -189,7 +190,7 @@ TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
     for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
         const ByHand hand;
         const auto larger = hand.down(), smaller = hand.up();
-        const auto t = larger * Recorded<double>(1 + more) + smaller;
+        const auto t = larger * Recorded(1 + more) + smaller;
         const Attribution a = attribution_of(hand, t);
         CHECK(a.culprit == (equal ? smaller : larger).node());
         CHECK(a.equals.empty() != equal);
@@ -199,7 +200,7 @@ TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
 
 TEST_CASE("roundings that do not reach the answer are no equals", "[ties]") {
     const ByHand hand;
-    const auto t = (hand.down() + hand.up()) * Recorded<double>(0.0);
+    const auto t = (hand.down() + hand.up()) * Recorded(0.0);
     const Attribution a = attribution_of(hand, t);
     CHECK(a.error == 0);
     CHECK(a.equals.empty());

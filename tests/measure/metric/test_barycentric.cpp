@@ -8,6 +8,7 @@
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/metric/values.hpp"
 #include "number/recorded.hpp"
+#include "number/tape_recorder.hpp"
 #include "shapes/given_matrix.hpp"
 
 namespace lostbits::test::test_barycentric {
@@ -25,14 +26,13 @@ const auto barycentric_error = find_metric("barycentric_error") -> value,
 template <class Form>
 Tape tape_of(const TriangleSample& s) {
     Tape tape;
-    const Tape::Scope recording(tape);
+    const TapeRecorder recorder(tape, binary32);
     const auto lift = [](const Vec<double>& v) {
-        using T = Recorded<float>;
+        using T = Recorded;
         return Vec<T>(T(static_cast<float>(v.x)), T(static_cast<float>(v.y)), T(static_cast<float>(v.z)));
     };
-    static_cast<void>(
-        Form::intersect(Ray<Recorded<float>>{lift(s.ray.origin), lift(s.ray.direction)},
-                        Triangle<Recorded<float>>{lift(s.triangle.a), lift(s.triangle.b), lift(s.triangle.c)}));
+    static_cast<void>(Form::intersect(Ray<Recorded>{lift(s.ray.origin), lift(s.ray.direction)},
+                                      Triangle<Recorded>{lift(s.triangle.a), lift(s.triangle.b), lift(s.triangle.c)}));
     return tape;
 }
 

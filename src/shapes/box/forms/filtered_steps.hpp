@@ -232,17 +232,19 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
         if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
     }
     if constexpr (number::wide::has_wider_word<T>) {
-        using B = number::wide::OneWord<T>;
-        watch(Way::wider);
-        SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
-        wide.proved = wide.proved && fits(ray, slabs, found.limit);
-        known = {joined(known, wide), known.in_range};
-        if (any_of(!known.in_range)) {
-            const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
-            found.segment = {select(known.in_range, found.segment.tmin, other.tmin),
-                             select(known.in_range, found.segment.tmax, other.tmax)};
+        if (number::wide::widens<T>()) {
+            using B = number::wide::OneWord<T>;
+            watch(Way::wider);
+            SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
+            wide.proved = wide.proved && fits(ray, slabs, found.limit);
+            known = {joined(known, wide), known.in_range};
+            if (any_of(!known.in_range)) {
+                const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
+                found.segment = {select(known.in_range, found.segment.tmin, other.tmin),
+                                 select(known.in_range, found.segment.tmax, other.tmax)};
+            }
+            if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }
-        if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
     }
     watch(Way::exact);
     if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, slabs, found, known.in_range);

@@ -32,14 +32,15 @@ struct Filtered {
             const filtered::Settled<T> cheap = filtered::cheaply<T>(ray, sphere);
             if (!any_of(!cheap.proved)) return answered(cheap);
             if constexpr (number::wide::has_wider_word<T>) {
-                watch(Way::wider);
-                using W = number::wide::OneWord<T>;
-                const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
-                if (!any_of(!wide.proved)) return answered(wide);
-                return answered(filtered::to_the_end<T>(ray, sphere, wide, watch));
-            } else {
-                return answered(filtered::to_the_end<T>(ray, sphere, cheap, watch));
+                if (number::wide::widens<T>()) {
+                    watch(Way::wider);
+                    using W = number::wide::OneWord<T>;
+                    const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
+                    if (!any_of(!wide.proved)) return answered(wide);
+                    return answered(filtered::to_the_end<T>(ray, sphere, wide, watch));
+                }
             }
+            return answered(filtered::to_the_end<T>(ray, sphere, cheap, watch));
         }
     }
 

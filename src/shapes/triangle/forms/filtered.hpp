@@ -32,9 +32,11 @@ struct FilteredTriangle {
             filtered::TriangleDecision<T> known = filtered::settled_in<T>(ray, triangle);
             if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
             if constexpr (number::wide::has_wider_word<T>) {
-                watch(Way::wider);
-                known = joined(known, filtered::settled_in<number::wide::OneWord<T>>(ray, triangle));
-                if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
+                if (number::wide::widens<T>()) {
+                    watch(Way::wider);
+                    known = joined(known, filtered::settled_in<number::wide::OneWord<T>>(ray, triangle));
+                    if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
+                }
             }
             known = filtered::to_the_end<T>(ray, triangle, known, watch);
             return met<T>(known.hit, known.t);

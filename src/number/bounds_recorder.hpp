@@ -1,0 +1,57 @@
+// A recorder that keeps a bound on the error of every number instead of a tape.
+#pragma once
+
+#include <vector>
+
+#include "number/bounded.hpp"
+#include "number/recorder.hpp"
+
+namespace lostbits {
+
+/// Computes each operation over `Bounded<float>` or `Bounded<double>`. The format is binary32 or binary64.
+class BoundsRecorder final : public Recorder {
+public:
+    explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), is_double_(format == binary64) {}
+
+    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || is_double_); }
+    NodeId input(double x, bool in_double) override;
+    NodeId apply(TapeOp op, const TapeOperands& of) override;
+    NodeId convert(NodeId x, bool to_double) override;
+    NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) override;
+    [[nodiscard]] double value(NodeId x) const override { return at(x).value; }
+    bool goes_on(NodeId decision) override { return at(decision).value != 0 || !is_proved(decision); }
+
+    /// At most so far from the same formula without rounding; infinity where nothing is known.
+    [[nodiscard]] double error(NodeId x) const { return at(x).error; }
+    /// Whether the bounds prove a decision.
+    [[nodiscard]] bool is_proved(NodeId decision) const { return at(decision).error == 0; }
+
+private:
+    /// Decisions have the value 1 or 0, and the error 0 where they are proved.
+    struct Entry {
+        double value, error;
+        bool in_double;
+    };
+    [[nodiscard]] const Entry& at(NodeId x) const { return entries_[static_cast<std::size_t>(x)]; }
+    NodeId add(double value, double error, bool in_double) {
+        entries_.push_back({value, error, in_double});
+        return static_cast<NodeId>(entries_.size()) - 1;
+    }
+    template <class F>
+    [[nodiscard]] Bounded<F> number(NodeId x) const {
+        return {static_cast<F>(at(x).value), static_cast<F>(at(x).error)};
+    }
+    [[nodiscard]] BoundedMask decision(NodeId x) const { return {at(x).value != 0, at(x).error == 0}; }
+    template <class F>
+    NodeId add(const Bounded<F>& x) {
+        return add(x.value(), x.error(), sizeof(F) == sizeof(double));
+    }
+    NodeId add(const BoundedMask& x) { return add(x.value() ? 1 : 0, x.is_proved() ? 0 : 1, false); }
+    template <class F>
+    NodeId computed(TapeOp op, const TapeOperands& of);
+
+    bool is_double_;
+    std::vector<Entry> entries_;
+};
+
+}  // namespace lostbits

@@ -1,0 +1,31 @@
+// A recorder that writes every operation onto a tape.
+#pragma once
+
+#include "number/recorder.hpp"
+
+namespace lostbits {
+
+/// Computes each operation in the format of its operands, to the bit as the machine (binary32, binary64) or `Rounded`
+/// does, and writes it behind what the tape has. Decisions have the tape's first format.
+class TapeRecorder final : public Recorder {
+public:
+    TapeRecorder(Tape& tape, const FloatFormat& format) : Recorder(format), tape_(tape) {}
+
+    NodeId constant(int x, bool in_double) override;
+    NodeId input(double x, bool in_double) override;
+    NodeId apply(TapeOp op, const TapeOperands& of) override;
+    NodeId convert(NodeId x, bool to_double) override;
+    NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) override;
+    [[nodiscard]] double value(NodeId x) const override { return tape_[x].value; }
+    bool goes_on(NodeId decision) override { return tape_[decision].value != 0 || tape_.every_loop; }
+    void name(NodeId x, std::string_view label) override { tape_.name(x, label); }
+    void name_all(std::string_view part) override { tape_.part = part; }
+    void end_sample() override { tape_.samples.push_back(tape_.nodes.size()); }
+
+private:
+    [[nodiscard]] const FloatFormat& format_of(bool in_double) const { return in_double ? binary64 : format(); }
+
+    Tape& tape_;
+};
+
+}  // namespace lostbits
