@@ -32,8 +32,13 @@ NodeId BoundsRecorder::computed(TapeOp op, const TapeOperands& of) {
         case TapeOp::both: return add(decision(a) && decision(b));
         case TapeOp::either: return add(decision(a) || decision(b));
         case TapeOp::opposite: return add(!decision(a));
-        default: return a;  // `any`; nothing is computed of what is given
+        case TapeOp::any: return a;
+        case TapeOp::input:
+        case TapeOp::constant:
+        case TapeOp::call:
+        case TapeOp::convert: break;  // functions of their own
     }
+    return a;
 }
 
 NodeId BoundsRecorder::apply(TapeOp op, const TapeOperands& of) {

@@ -30,8 +30,13 @@ double computed(TapeOp op, double x, double y, double z, const Lift& lift, const
         case TapeOp::both: return x != 0 && y != 0;
         case TapeOp::either: return x != 0 || y != 0;
         case TapeOp::opposite: return x == 0;
-        default: return x;  // `any`, `convert` to what holds the number; nothing is computed of what is given
+        case TapeOp::any: return x;
+        case TapeOp::input:
+        case TapeOp::constant:
+        case TapeOp::call:
+        case TapeOp::convert: break;  // functions of their own
     }
+    return x;
 }
 
 double computed_in(const FloatFormat& format, TapeOp op, double x, double y, double z) {
