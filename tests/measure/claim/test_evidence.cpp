@@ -90,6 +90,15 @@ TEST_CASE("every verdict but of a sentence that describes a number follows from 
     CHECK(describing < 20);
 }
 
+TEST_CASE("a sentence from a source names the place where it can be looked up") {
+    // An address, the section or chapter of a book, the year of a paper, or the comment in a file that is named.
+    static const std::regex place(R"(https?://|section [0-9]|chapter [0-9]|the comment there|\((19|20)[0-9][0-9]\))");
+    for (const Claim& claim : all_claims()) {
+        INFO(claim.where.text() << ": " << claim.id << ": " << claim.source);
+        if (claim.is_sourced()) CHECK(std::regex_search(claim.source, place));
+    }
+}
+
 TEST_CASE("a counterexample refutes") {
     const lostbits::test::Scratch folder;
     const auto claim = [&](const std::string& verdict) {
