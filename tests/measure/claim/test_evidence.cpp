@@ -86,7 +86,7 @@ TEST_CASE("every verdict but of a sentence that describes a number follows from 
     }
     CHECK(with > 600);
     CHECK(qualified > 30);
-    CHECK(sourced > 250);
+    CHECK(sourced > 200);
     CHECK(describing < 20);
 }
 
