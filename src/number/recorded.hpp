@@ -1,15 +1,73 @@
 // Recorded: which operation lost the bits? A number that tells its recorder what is done to it, in a format chosen at
-// run time.
+// run time. The recorders are in recorders/: one writes a tape, one bounds every error.
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
-#include "number/recorder.hpp"
+#include "number/error.hpp"
+#include "number/rounded.hpp"
+#include "number/tape.hpp"
 
 namespace lostbits {
 
+/// Keeps the numbers and decisions of one evaluation, each under the index of the operation that made it. Operations
+/// are computed in the format of their operands: the recorder's own, or binary64 for what a formula computes in double
+/// inside.
+///
+/// The recorder is this thread's from its construction to its destruction, and its format is the thread's
+/// `CurrentFormat`.
+class Recorder {
+public:
+    explicit Recorder(const FloatFormat& format) : format_(format), before_(current_) { current_ = this; }
+    virtual ~Recorder() { current_ = before_; }
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    /// Error(Exit::internal) where this thread has none.
+    static Recorder& current() {
+        if (current_ == nullptr) [[unlikely]]
+            refuse();
+        return *current_;
+    }
+
+    /// An integer of the formula's text or an input, rounded to the recorder's format, or to binary64.
+    virtual NodeId constant(int x, bool in_double) = 0;
+    virtual NodeId input(double x, bool in_double) = 0;
+    /// The result of an operation, comparisons and logic included; operands in the order of `TapeNode::operands`.
+    virtual NodeId apply(TapeOp op, const TapeOperands& of) = 0;
+    /// The same number in binary64, or in the recorder's format.
+    virtual NodeId convert(NodeId x, bool to_double) = 0;
+    /// The value of a step that was computed as a whole (`Call`).
+    virtual NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) = 0;
+    /// The number, or 1 and 0 of a decision.
+    [[nodiscard]] virtual double value(NodeId x) const = 0;
+    /// Whether a loop of the formula that asks for this decision goes on.
+    virtual bool goes_on(NodeId decision) = 0;
+    /// Names an operation as the source of the form does.
+    virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
+    /// Names all operations that follow, until the name is empty.
+    virtual void name_all(std::string_view /*part*/) {}
+    /// Ends one sample of a march.
+    virtual void end_sample() {}
+
+    [[nodiscard]] const FloatFormat& format() const { return CurrentFormat::get(); }
+
+private:
+    [[noreturn]] static void refuse() {
+        throw Error(Exit::internal, "a recorded number was used where nothing records: construct a Recorder first");
+    }
+    static inline constinit thread_local Recorder* current_ = nullptr;
+
+    CurrentFormat::Scope format_;
+    Recorder* before_;
+};
+
 /// The one way from the operators below to the recorder, out of line: a form has hundreds of them.
-NodeId record(TapeOp op, NodeId a, NodeId b = no_node, NodeId c = no_node);
+[[gnu::noinline]] inline NodeId record(TapeOp op, NodeId a, NodeId b = no_node, NodeId c = no_node) {
+    return Recorder::current().apply(op, {a, b, c});
+}
 
 /// A decision of a recorded formula.
 class RecordedMask : public NotABool {

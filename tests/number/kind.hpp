@@ -7,7 +7,7 @@
 
 #include "number/draw.hpp"
 #include "number/kinds.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::test {
 
@@ -95,11 +95,11 @@ struct Kind<T> {
             if constexpr (std::same_as<T, RoundedAny>)
                 scope = std::make_unique<CurrentFormat::Scope>(any_format(random));
             else if constexpr (tells_of_operations<T>)
-                recorder = std::make_unique<TapeRecorder>(tape, any_format(random));
+                recorder = std::make_unique<number::recorders::TapeRecorder>(tape, any_format(random));
         }
         Tape tape;
         std::unique_ptr<CurrentFormat::Scope> scope;
-        std::unique_ptr<TapeRecorder> recorder;
+        std::unique_ptr<number::recorders::TapeRecorder> recorder;
     };
     static std::array<Operand<T>, 3> draw(Random& random, Op op) {
         const auto [a, b, c] = draw_operands(random, format(), op);

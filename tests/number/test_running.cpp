@@ -13,7 +13,7 @@
 #include "number/oracle.hpp"
 #include "number/random.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 #include "number/wide/proving.hpp"
 #include "number/wide/running.hpp"
 
@@ -281,7 +281,7 @@ TEST_CASE("a bound is no operation on a tape, and a choice has both of its sides
     using E = Proving<Recorded>;
     const auto recorded = [](float x, float y) {
         Tape tape;
-        const TapeRecorder recorder(tape, binary32);
+        const number::recorders::TapeRecorder recorder(tape, binary32);
         const E a((Recorded(x))), b((Recorded(y)));
         const E c = select(a < b, a * b, a + b);
         CHECK(tape[c.word().node()].op == TapeOp::select);

@@ -153,14 +153,14 @@ def find_all(path, text, patterns):
 
 
 def formula_rules(path, text):
-    """No libm by name, no decimal literal, no `if` on a mask, no ternary, no double by the back door."""
+    """No libm by name, no decimal literal, no `if` on a mask (`widens` asks the format), no ternary, no double."""
     shared = path in ("src/intersect/roots.hpp", "src/intersect/outward.hpp")
     return find_all(path, text, {
         "libm by name": r"(?:\bstd::|(?<![:\w])::)(?:sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log"
                         r"|sin|cos|tan|floor|ceil|nextafter)\w*\b",
         "a decimal literal": r"(\b\d+\.\d*|\.\d+)([eE][-+]?\d+)?[fFlL]?|\b\d+[eE][-+]?\d+"
                              r"|\b0[xX][0-9a-fA-F.]*[pP][-+]?\d+",
-        "a branch that is not on any_of": r"\b(if|while|switch)\s*\((?!\s*!?\s*any_of\b)",
+        "a branch that is not on any_of": r"\b(if|while|switch)\s*\((?!\s*!?\s*any_of\b|number::wide::widens\b)",
         "a ternary": r"\?",
         "a type that is not T": r"\b(float|double)\b",
         "an epsilon": r"\b(numeric_limits|FLT_EPSILON|DBL_EPSILON)\b"}) if shared or in_shape_folder(path) else []

@@ -6,7 +6,7 @@
 #include "intersect/space/list.hpp"
 #include "intersect/space/raw_steps.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::intersect::space {
 
@@ -156,7 +156,7 @@ void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumn
 template <class L>
 void record(const Format& format, Tape& tape, const WorldNodes& world, const RecordForm& form) {
     using T = Recorded;
-    TapeRecorder recorder(tape, format.parameters);
+    number::recorders::TapeRecorder recorder(tape, format.parameters);
     const auto vec = [](const auto& nodes, std::size_t k) {
         return Vec<T>(T::at(nodes[k]), T::at(nodes[k + 1]), T::at(nodes[k + 2]));
     };

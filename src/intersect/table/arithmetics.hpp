@@ -6,11 +6,11 @@
 
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/kernels.hpp"
-#include "number/bounds_recorder.hpp"
 #include "number/counted.hpp"
 #include "number/interval.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/bounds_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::intersect::table {
@@ -100,7 +100,7 @@ inline Hit<Recorded> recorded_hit(AskRecorded ask, const Ray<double>& ray, const
 
 inline void evaluate_on(AskRecorded ask, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
                         const Target<double>& target, double tmax) {
-    TapeRecorder recorder(tape, format);
+    number::recorders::TapeRecorder recorder(tape, format);
     const Hit<Recorded> hit = recorded_hit(ask, ray, target, tmax);
     tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
@@ -133,7 +133,7 @@ void record_all_of(const Target<double>& target, Tape& tape) {
 template <class Ask>
 std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format) {
     if (format.engine == Format::Engine::rounded) return std::nullopt;
-    BoundsRecorder recorder(format.parameters);
+    number::recorders::BoundsRecorder recorder(format.parameters);
     const Hit<Recorded> hit = ask();
     return BoundedAnswer{hit.hit.value(), recorder.is_proved(hit.hit.node()), recorder.value(hit.t.node()),
                          recorder.error(hit.t.node())};

@@ -4,7 +4,7 @@
 
 #include "intersect/table/in_range.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
@@ -26,7 +26,7 @@ void put_range_behind(Tape& tape, std::vector<std::string>& names, const interse
     if (range.is_whole()) return;
     const auto end = std::ranges::find(names, "ray.tmax");
     const NodeId tmax = input_of(tape, end - names.begin());
-    TapeRecorder recorder(tape, format.parameters);
+    number::recorders::TapeRecorder recorder(tape, format.parameters);
     const auto at = [](NodeId i) { return Recorded::at(i); };
     const TapeOutputs said = tape.outputs;
     const Hit<Recorded> kept =

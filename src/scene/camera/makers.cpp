@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 #include "scene/camera/list.hpp"
 
 namespace lostbits::scene::camera {
@@ -21,7 +21,7 @@ void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(co
 template <class M>
 std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, Place at, Tape& tape) {
     using T = Recorded;
-    TapeRecorder recorder(tape, format.parameters);
+    number::recorders::TapeRecorder recorder(tape, format.parameters);
     const auto input = [](double x) { return T(x); };
     const CameraNumbers<T> camera = stored.each(input);
     const T x = input(at.x), y = input(at.y), left = input(at.x - 1);

@@ -10,7 +10,7 @@
 #include "measure/stability/stability.hpp"
 #include "number/oracle.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::test::test_attribution {
 
@@ -157,7 +157,7 @@ TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
     // x = 1 + 2^-12 in binary32. x² = 1 + 2^-11 + 2^-24, which ties to 1 + 2^-11: rounding −2^-24. x² − 1 = 2^-11 is
     // exact and cancels 11 bits; the difference then carries −2^-24 of 2^-11 + 2^-24. y = (x² − 1)·3 = 3·2^-11, exact.
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T x(1 + 0x1p-12f);
     const T square = named("square", x * x);
@@ -185,7 +185,7 @@ TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
 TEST_CASE("a decision that rounding turned is attributed to what is compared", "[attribution]") {
     // (1 + 2^-12)² − (1 + 2^-11) is 2^-24 > 0 and computes as 0: `< tiny` turns.
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T x(1 + 0x1p-12f), y(1 + 0x1p-11f), tiny(0x1p-25f);
     const T square = x * x;
@@ -210,7 +210,7 @@ TEST_CASE("a root of a difference that vanished is attributed without remainder"
     // √((1 + 2^-12)² − (1 + 2^-11)) = 2^-12, computed 0: the derivative is infinite, the difference quotient 1/(0 +
     // 2^-12).
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T x(1 + 0x1p-12f), y(1 + 0x1p-11f);
     const T root = sqrt(x * x - y);
@@ -224,7 +224,7 @@ TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]")
     // k/7 and its likes are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
     for (int k = 3; k < 60; k += 2) {
         Tape tape;
-        const TapeRecorder recorder(tape, Rounded<8>::format());
+        const number::recorders::TapeRecorder recorder(tape, Rounded<8>::format());
         using T = Recorded;
         const T nothing = T(1) / T(k) * T(k) - T(1);
         const RecordedMask below = nothing<T(0), above = nothing> T(0);
@@ -238,7 +238,7 @@ TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]")
 
 TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T x(0.1f), end(HUGE_VALF);
     const T t = min(x * x, end);
@@ -252,7 +252,7 @@ TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
 
 TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T a(0.1f), b(0.3f), c(7);
     const T dead = a * b, live = a / b;
@@ -267,7 +267,7 @@ TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
 
 TEST_CASE("an answer that is no number is the operation's that made it so", "[attribution]") {
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
     const T zero = T(1.5f) - T(1.5f);
     const T quotient = zero / zero;

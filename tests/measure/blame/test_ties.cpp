@@ -8,7 +8,7 @@
 #include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::test::test_ties {
 
@@ -87,7 +87,7 @@ void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& 
 struct ByHand {
     using T = Recorded;
     Tape tape;
-    TapeRecorder recorder{tape, binary64};
+    number::recorders::TapeRecorder recorder{tape, binary64};
     T down() const { return T(0x1p53) + T(1.0); }
     T up() const { return T(0x1p53 + 2) + T(1.0); }
 };

@@ -8,7 +8,7 @@
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/metric/values.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 #include "shapes/given_matrix.hpp"
 
 namespace lostbits::test::test_barycentric {
@@ -26,7 +26,7 @@ const auto barycentric_error = find_metric("barycentric_error") -> value,
 template <class Form>
 Tape tape_of(const TriangleSample& s) {
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     const auto lift = [](const Vec<double>& v) {
         using T = Recorded;
         return Vec<T>(T(static_cast<float>(v.x)), T(static_cast<float>(v.y)), T(static_cast<float>(v.z)));

@@ -15,7 +15,7 @@
 #include "measure/tape/tape_form.hpp"
 #include "number/oracle.hpp"
 #include "number/recorded.hpp"
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
 namespace lostbits::test::test_contraction {
 
@@ -29,7 +29,7 @@ template <class F>
 Tape tape_of_four(const F& f) {
     using T = Recorded;
     Tape tape;
-    const TapeRecorder recorder(tape, binary32);
+    const number::recorders::TapeRecorder recorder(tape, binary32);
     const T a(2.0F), b(3.0F), c(5.0F), d(7.0F);
     const T t = f(a, b, c, d);
     tape.outputs = {(t > T(0)).node(), t.node(), t.node(), t.node()};

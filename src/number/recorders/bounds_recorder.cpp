@@ -1,6 +1,6 @@
-#include "number/bounds_recorder.hpp"
+#include "number/recorders/bounds_recorder.hpp"
 
-namespace lostbits {
+namespace lostbits::number::recorders {
 
 NodeId BoundsRecorder::input(double x, bool in_double) {
     return in_double || is_double_ ? add(Bounded<double>(x)) : add(Bounded<float>(x));
@@ -61,4 +61,4 @@ NodeId BoundsRecorder::call(const Call& of, std::span<const NodeId> arguments, d
     return in_double || is_double_ ? known.template operator()<double>() : known.template operator()<float>();
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::number::recorders

@@ -1,9 +1,9 @@
 // A recorder that writes every operation onto a tape.
 #pragma once
 
-#include "number/recorder.hpp"
+#include "number/recorded.hpp"
 
-namespace lostbits {
+namespace lostbits::number::recorders {
 
 /// Computes each operation in the format of its operands, to the bit as the machine (binary32, binary64) or `Rounded`
 /// does, and writes it behind what the tape has. Decisions have the tape's first format.
@@ -28,4 +28,4 @@ private:
     Tape& tape_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::number::recorders

@@ -1,6 +1,6 @@
-#include "number/tape_recorder.hpp"
+#include "number/recorders/tape_recorder.hpp"
 
-namespace lostbits {
+namespace lostbits::number::recorders {
 
 namespace {
 
@@ -76,4 +76,4 @@ NodeId TapeRecorder::call(const Call& of, std::span<const NodeId> arguments, dou
     return tape_.add_call(of, format_of(in_double), value, {arguments.begin(), arguments.end()});
 }
 
-}  // namespace lostbits
+}  // namespace lostbits::number::recorders

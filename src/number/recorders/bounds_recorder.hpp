@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "number/bounded.hpp"
-#include "number/recorder.hpp"
+#include "number/recorded.hpp"
 
-namespace lostbits {
+namespace lostbits::number::recorders {
 
 /// Computes each operation over `Bounded<float>` or `Bounded<double>`. The format is binary32 or binary64.
 class BoundsRecorder final : public Recorder {
@@ -54,4 +54,4 @@ private:
     std::vector<Entry> entries_;
 };
 
-}  // namespace lostbits
+}  // namespace lostbits::number::recorders
