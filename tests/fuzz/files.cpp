@@ -1,4 +1,5 @@
 // Readers of files and of words of the command line.
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -53,7 +54,8 @@ private:
 }  // namespace
 
 std::filesystem::path file_of(std::string_view bytes, std::string_view extension) {
-    static const int file = memfd_create("input", 0);
+    // Not under number 3, which is the memory that a request to serve may claim, and is closed then.
+    static const int file = fcntl(memfd_create("input", 0), F_DUPFD_CLOEXEC, 64);
     if (file < 0 || ftruncate(file, 0) != 0) throw std::runtime_error("no file in memory");
     for (std::size_t done = 0; done < bytes.size();) {
         const ssize_t written = pwrite(file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
