@@ -43,7 +43,7 @@ public:
     virtual NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) = 0;
     /// The number, or 1 and 0 of a decision.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
-    /// Whether a loop of the formula that asks for this decision goes on.
+    /// True where a loop of the formula that asks for this decision goes on.
     virtual bool goes_on(NodeId decision) = 0;
     /// Names an operation as the source of the form does.
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}

@@ -43,7 +43,7 @@ public:
         return *current_;
     }
 
-    /// What computes in it: the machine, where the format is one of the machine's own.
+    /// The arithmetic that computes in it: the machine's, where the format is one of the machine's own.
     enum class Engine : std::uint8_t { machine_float, machine_double, rounding };
     static Engine engine() { return engine_; }
 

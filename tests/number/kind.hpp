@@ -89,7 +89,7 @@ struct Kind<T> {
                            : FloatFormat{p, -14, 15};
     }
 
-    /// What is chosen anew for each round: a format for the numbers that have one at run time only.
+    /// A choice made anew for each round: a format, for the numbers that have one at run time only.
     struct Setting {
         explicit Setting(Random& random) {
             if constexpr (std::same_as<T, RoundedAny>)

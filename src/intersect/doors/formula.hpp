@@ -1,4 +1,4 @@
-// What a library that was compiled with lostbits_form.hpp hands over: its forms in every arithmetic.
+// Forms in every arithmetic, as a library that was compiled with lostbits_form.hpp exports them.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ struct Formula {
     std::array<const lb_form*, 2> first;
 };
 
-/// What `lostbits_formulas` returns. `build` stands first and is compared before the rest is looked at: all that
-/// follows is laid out as one build of the headers lays it out.
+/// The list that `lostbits_formulas` returns. `build` stands first and is compared before the rest is looked at: all
+/// that follows is laid out as one build of the headers lays it out.
 struct FormulaList {
     const char* build;
     const Formula* all;

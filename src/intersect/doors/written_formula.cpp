@@ -178,9 +178,7 @@ Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    number::recorders::TapeRecorder recorder(tape, format.parameters);
-    const Hit<Recorded> hit = recorded_hit(of(own).in(format), ray, target, end);
-    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+    table::taped_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format.parameters, tape);
 }
 
 void record_all(void* own, const Target<double>& target, Tape& tape) {

@@ -91,18 +91,24 @@ using AskRecorded = AskTarget<Recorded, SampleMarks>;
 template <class Form>
 inline constexpr AskRecorded ask_recorded = intersect_target<Form>;
 
-/// What `ask` answers to inputs that the thread's recorder takes in the order of `input_names`.
+/// The answer of `ask` to inputs that the thread's recorder takes in the order of `input_names`.
 inline Hit<Recorded> recorded_hit(AskRecorded ask, const Ray<double>& ray, const Target<double>& target, double tmax) {
     const LiftedInputs<Recorded> in(ray, target, tmax);
     SampleMarks marks;
     return ask(in.ray, in.target.get(), in.tmax, marks, 0);
 }
 
+/// Writes what `ask()` does, which runs over `Recorded`, behind what the tape has.
+template <class Ask>
+void taped_by(const Ask& ask, const FloatFormat& format, Tape& tape) {
+    number::recorders::TapeRecorder recorder(tape, format);
+    const Hit<Recorded> hit = ask();
+    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+}
+
 inline void evaluate_on(AskRecorded ask, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
                         const Target<double>& target, double tmax) {
-    number::recorders::TapeRecorder recorder(tape, format);
-    const Hit<Recorded> hit = recorded_hit(ask, ray, target, tmax);
-    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+    taped_by([&] { return recorded_hit(ask, ray, target, tmax); }, format, tape);
 }
 
 template <class Form>

@@ -23,7 +23,7 @@ public:
 
     /// At most so far from the same formula without rounding; infinity where nothing is known.
     [[nodiscard]] double error(NodeId x) const { return at(x).error; }
-    /// Whether the bounds prove a decision.
+    /// True where the bounds prove a decision.
     [[nodiscard]] bool is_proved(NodeId decision) const { return at(decision).error == 0; }
 
 private:

@@ -20,7 +20,7 @@ using OneWord = typename Wider<T>::type;
 template <class T>
 inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
 
-/// Whether the format of T is narrower than `OneWord`: of numbers whose format is chosen at run time, now.
+/// True where the format of T is narrower than `OneWord`; for numbers whose format is chosen at run time, that of now.
 template <class T>
 bool widens() {
     if constexpr (tells_of_operations<T> && has_wider_word<T>) return !(T::format() == binary64);
