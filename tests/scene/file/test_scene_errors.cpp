@@ -119,7 +119,8 @@ TEST_CASE("a triangle has an area") {
         return broken(sphere, "[[cylinder]]\nbase = [1, 0, 0]\ntop = [" + top + ", 0, 0]\nradius = 1\n");
     };
     CHECK(cylinder("2") == "no error");
-    CHECK(cylinder("1") == "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two");
+    CHECK(cylinder("1") ==
+          "scene.toml:15:7: cylinder[0].top equals base; a cylinder has a height, so move one of the two");
     CHECK(cylinder("\"1.00000000001\"") ==
           "scene.toml:15:7: cylinder[0].top is base in binary32, to which inputs = \"shared\" rounds; move one of the "
           "two, "
