@@ -180,7 +180,7 @@ TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
               "\"tube\" or \"fan\", or write file = \"name.obj\" in its "
               "place"));
     CHECK(has(error_of_mesh("file = \"a.obj\"\n"), "mesh[0].file names "));
-    CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make stands beside file"));
+    CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make is given together with file"));
 }
 
 TEST_CASE("a sphereflake has nine times as many spheres a level") {
