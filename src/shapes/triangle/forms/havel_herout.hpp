@@ -1,5 +1,5 @@
-// Havel and Herout's three planes, made once a triangle, and one division after the tests. The tests compare sign bits,
-// so that zeros count as above: edges of a triangle seen from behind are left out.
+// Havel and Herout's three planes, made once for each triangle, and one division after the tests. The tests compare
+// sign bits, so that zeros count as positive: points on the edges of a triangle met from behind are not hit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

@@ -1,5 +1,5 @@
-// Möller and Trumbore's determinants, and no answer where the first is small: an area times the length of the direction
-// against a number without a unit.
+// Möller and Trumbore's determinants, with a miss if the first is small. The first is an area times the length of the
+// direction, and is compared with a number without a unit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

@@ -1,5 +1,5 @@
-// Möller and Trumbore's culling branch, as they published it: det > 0 where the front is met, so that one comparison
-// leaves out the back together with what is parallel, and u, v and t are divided at the end.
+// Möller and Trumbore's culling branch, as they published it. det > 0 where the front is met, so one comparison
+// rejects both the back and parallel rays. u, v and t are divided at the end.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
