@@ -1,4 +1,4 @@
-// An instance in the plane z = 0: the ray taken into a frame along the normal, and x² + y² there.
+// An instance in the plane z = 0: the ray is transformed into a frame along the normal, and x² + y² is taken there.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

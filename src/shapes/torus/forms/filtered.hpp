@@ -1,4 +1,5 @@
-// The quartic of the closest approach, its first root ahead told by the signs of Sturm's chain: a filter by its span.
+// A filter by the span of the torus: the quartic of the closest approach, whose first root ahead the signs of Sturm's
+// chain isolate.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

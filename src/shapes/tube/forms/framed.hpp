@@ -1,4 +1,5 @@
-// An instance along z: a frame from the axis, the ray taken into it, x² + y² = r² there, and z between the ends.
+// An instance along z. The ray is transformed into a frame made from the axis. There the tube is x² + y² = r², with z
+// between the ends.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

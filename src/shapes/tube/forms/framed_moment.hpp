@@ -1,5 +1,5 @@
-// An instance along z, with the moment o × d there: disc = r² (dx² + dy²) − (ox dy − oy dx)², so that no square of the
-// distance is subtracted, and stable roots.
+// An instance along z, with the moment o × d there: disc = r² (dx² + dy²) − (ox dy − oy dx)². No square of the
+// distance is subtracted, and the roots are stable.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

@@ -1,5 +1,5 @@
-// Mitsuba's cylinder: the ray taken to the cylinder in the renderer's format, which rounds, and the quadratic in
-// double.
+// Mitsuba's cylinder: the ray is transformed to the cylinder in the renderer's format, which rounds, and the quadratic
+// is solved in double.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

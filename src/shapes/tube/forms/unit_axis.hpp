@@ -1,4 +1,4 @@
-// The axis made a unit vector first, then dot products: C = O·O − Oz² − r² subtracts squares of the distance twice.
+// Normalises the axis first, then takes dot products: C = O·O − Oz² − r² subtracts squares of the distance twice.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"
