@@ -23,10 +23,10 @@ TEST_CASE("what is no file is refused at once", "[mesh]") {
         const auto error = [&] { return error_in(folder, [&] { read_mesh_file(path); }); };
         CHECK(has(error(), "there is no such file"));
         REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
-        CHECK(has(error(), "is a pipe or a device, and a file is read here"));
+        CHECK(has(error(), "is a pipe or a device, but a file is needed here"));
         fs::remove(path);
         fs::create_symlink("/dev/zero", path);
-        CHECK(has(error(), "is a pipe or a device, and a file is read here"));
+        CHECK(has(error(), "is a pipe or a device, but a file is needed here"));
         fs::remove(path);
         fs::create_directory(path);
         CHECK(has(error(), "is a folder; name a file in it"));
