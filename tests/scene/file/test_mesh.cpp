@@ -248,7 +248,7 @@ TEST_CASE(
     CHECK(s.meets(Shape::sphere));
     const auto broken = [&](const std::string& to) { return scene_error(replaced(text, "hit_eps = 0.01", to)); };
     CHECK(broken("hit_eps = 0").find("scene.toml:14:11: march.hit_eps must be greater than 0") == 0);
-    CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 as it is stored"));
+    CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 when it is stored"));
     CHECK(has(broken("max_dist = 1e39"), "march.max_dist overflows binary32"));
     CHECK(has(broken("max_steps = 0"), "march.max_steps must be a whole number from 1 to 100000"));
     CHECK(has(broken("max_steps = 2.5"), "march.max_steps must be a whole number"));
