@@ -24,7 +24,8 @@ struct RecordedRay {
 
     /// Puts this tape in front of a form's tape, in place of the form's ray.
     void put_before(Tape& form) const;
-    /// The same, if the ray is the same to the bit. It is not for a form that normalises directions.
+    /// The same, but only if the ray is the same to the bit; returns false otherwise. A form for unit directions gets
+    /// another ray.
     bool lead(Tape& form) const;
 };
 
