@@ -122,7 +122,7 @@ struct BevyRay {
 struct BevyViewRay : InvertsProjection {
     static constexpr MakerInfo info{
         .name = "bevy_view",
-        .title = "both points through P^-1, inverted in the format; their difference turned, the near one moved",
+        .title = "both points through P^-1, inverted in the format; their difference rotated, the near one moved",
         .source = "Bevy 0.17, crates/bevy_camera/src/camera.rs, Camera::viewport_to_world (pull request 20700)",
         .from_near = true,
     };
@@ -140,7 +140,7 @@ struct BevyViewRay : InvertsProjection {
 struct NvproRay {
     static constexpr MakerInfo info{
         .name = "nvpro",
-        .title = "z = 1 through P^-1, made unit and turned by V^-1, both inverted in the format; the eye from V^-1",
+        .title = "z = 1 through P^-1, normalised and rotated by V^-1, both inverted in the format; the eye from V^-1",
         .source = "nvpro-samples/vk_raytracing_tutorial_KHR, ray_tracing__simple/shaders/raytrace.rgen",
     };
 
@@ -163,7 +163,8 @@ struct NvproRay {
 struct GodotRay : AsStored {
     static constexpr MakerInfo info{
         .name = "godot",
-        .title = "half extents of the near plane from P's diagonal, made unit, turned by the camera's basis, made unit",
+        .title =
+            "half extents of the near plane from P's diagonal, normalised, rotated by the camera's basis, normalised",
         .source = "Godot, scene/3d/camera_3d.cpp, project_local_ray_normal and project_ray_normal",
     };
 
@@ -180,7 +181,7 @@ struct GodotRay : AsStored {
 struct OptixRay : AsStored {
     static constexpr MakerInfo info{
         .name = "optix",
-        .title = "x U + y V + W, made unit; U and V are the tangents times the axes, in the format",
+        .title = "x U + y V + W, normalised; U and V are the tangents times the axes, in the format",
         .source = "OptiX SDK, SDK/optixPathTracer/optixPathTracer.cu __raygen__rg: normalize(d.x*U + d.y*V + W)",
     };
 
@@ -227,8 +228,8 @@ struct PbrtRay : AsStored {
     static constexpr MakerInfo info{
         .name = "pbrt",
         .title =
-            "the middle of the pixel through the stored matrix from raster to camera, made unit and turned; the eye "
-            "apart",
+            "the middle of the pixel through the stored matrix from raster to camera, normalised and rotated; the eye "
+            "separate",
         .source = "pbrt-v4, src/pbrt/cameras.cpp, PerspectiveCamera::GenerateRay",
     };
 
@@ -249,7 +250,7 @@ struct DifferentialsRay {
     static constexpr MakerInfo info{
         .name = "differentials",
         .title =
-            "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, made unit and turned",
+            "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, normalised and rotated",
         .source = "pbrt-v4, src/pbrt/cameras.h and cameras.cpp, PerspectiveCamera::GenerateRayDifferential",
     };
 
@@ -270,7 +271,7 @@ struct DifferentialsRay {
 struct RelativeRay : AsStored {
     static constexpr MakerInfo info{
         .name = "relative",
-        .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye apart",
+        .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye separate",
         .source =
             "Unity-Technologies/Graphics 4a193f6, com.unity.render-pipelines.high-definition/Documentation~/"
             "Camera-Relative-Rendering.md:9; Unreal's ScreenToTranslatedWorld",

@@ -12,7 +12,7 @@ namespace lostbits::intersect::box {
 struct FilteredSlabs {
     static constexpr Info info{
         .name = "box.filtered",
-        .title = "signs where a bound proves it, wider where not",
+        .title = "signs if a bound proves them, else wider arithmetic",
         .source = "a static filter after Shewchuk 1997; signs of determinants",
     };
 

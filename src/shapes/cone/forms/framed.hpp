@@ -10,7 +10,7 @@ namespace lostbits::intersect::cone {
 struct InConeFrame {
     static constexpr Info info{
         .name = "cone.framed",
-        .title = "taken into a frame along the axis",
+        .title = "transformed into a frame along the axis",
         .source = "pbrt-v3, src/shapes/cone.cpp, with CoordinateSystem (Duff et al. 2017) as its transform",
     };
 

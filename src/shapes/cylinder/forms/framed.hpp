@@ -10,7 +10,7 @@ namespace lostbits::intersect::cylinder {
 struct InOwnFrame {
     static constexpr Info info{
         .name = "cylinder.framed",
-        .title = "taken into a frame along the axis",
+        .title = "transformed into a frame along the axis",
         .source = "pbrt-v4, src/pbrt/shapes.h, Cylinder, with CoordinateSystem (Duff et al. 2017) as its transform",
     };
 

@@ -11,7 +11,7 @@ namespace lostbits::intersect::plane {
 struct WithEpsilon {
     static constexpr Info info{
         .name = "plane.epsilon",
-        .title = "nothing where |n.d| or t is 2^-23 or less",
+        .title = "misses if |n.d| or t is 2^-23 or less",
         .source = "bevy, crates/bevy_math/src/ray.rs, Ray3d::intersect_plane",
         .direction = Direction::unit,
         .roots = Roots::first_only,

@@ -12,7 +12,7 @@ namespace lostbits::intersect::sphere {
 struct Filtered {
     static constexpr Info info{
         .name = "sphere.filtered",
-        .title = "cheap where its bound proves it, wider where not",
+        .title = "cheap if its bound proves it, else wider arithmetic",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };

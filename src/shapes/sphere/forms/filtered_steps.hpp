@@ -229,8 +229,8 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 }
 
 /// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of four, and those of their last
-/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN: sums of any size know no more
-/// then.
+/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN,
+/// because wider sums would decide no better.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     mask_t<T> all = T(0) <= T(0);

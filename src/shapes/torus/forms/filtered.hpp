@@ -11,7 +11,7 @@ namespace lostbits::intersect::torus {
 struct FilteredTorus : filter::FiltersBySpan<FilteredTorus, Torus> {
     static constexpr Info info{
         .name = "torus.filtered",
-        .title = "Sturm's chain where a bound proves it, wider where not",
+        .title = "Sturm's chain if a bound proves it, else wider arithmetic",
         .source = filter::source_by_span,
         .roots = Roots::first_only,
     };

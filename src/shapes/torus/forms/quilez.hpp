@@ -9,7 +9,7 @@ namespace lostbits::intersect::torus {
 struct QuilezTorus {
     static constexpr Info info{
         .name = "torus.quilez",
-        .title = "half coefficients, 1/t where these nearly fit",
+        .title = "half coefficients, 1/t if these nearly fit",
         .source = "Quilez, Intersectors, torIntersect",
         .direction = Direction::unit,
         .roots = Roots::first_only,

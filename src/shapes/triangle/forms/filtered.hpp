@@ -12,7 +12,7 @@ namespace lostbits::intersect::triangle {
 struct FilteredTriangle {
     static constexpr Info info{
         .name = "triangle.filtered",
-        .title = "signs of determinants where a bound proves them, wider where not",
+        .title = "signs of determinants if a bound proves them, else wider arithmetic",
         .source = "an a-priori bound after Higham, Accuracy and Stability, 3.1, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };

@@ -209,8 +209,8 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
 }
 
 /// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of three, and those of their last
-/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN: sums of any size know no more
-/// then.
+/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN,
+/// because wider sums would decide no better.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
     mask_t<T> all = T(0) <= T(0);

@@ -9,8 +9,8 @@ namespace lostbits::intersect::triangle {
 struct HavelHerout {
     static constexpr Info info{
         .name = "triangle.havel_herout",
-        .title = "three planes a triangle, signs compared",
-        .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges seen from behind are left out",
+        .title = "three planes for each triangle, signs compared",
+        .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges met from behind are left out",
         .roots = Roots::first_only,
         .weights = {"", "u", "v"},
     };

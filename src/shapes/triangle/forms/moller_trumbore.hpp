@@ -9,7 +9,7 @@ namespace lostbits::intersect::triangle {
 struct MollerTrumbore {
     static constexpr Info info{
         .name = "triangle.moller_trumbore",
-        .title = "Möller-Trumbore, nothing where |det| < 2^-23",
+        .title = "Möller-Trumbore, misses if |det| < 2^-23",
         .source = "bevy_picking 0909366, mesh_picking/ray_cast/intersections.rs:247",
         .roots = Roots::first_only,
         .weights = {"", "u", "v"},

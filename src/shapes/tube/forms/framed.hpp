@@ -10,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct InFrameOfTube {
     static constexpr Info info{
         .name = "tube.framed",
-        .title = "taken into a frame along the axis",
+        .title = "transformed into a frame along the axis",
         .source = "pbrt-v4, src/pbrt/shapes.h, Cylinder, with CoordinateSystem (Duff et al. 2017) as its transform",
         .roots = Roots::first_only,
     };

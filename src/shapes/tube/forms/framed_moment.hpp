@@ -10,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct FramedMoment {
     static constexpr Info info{
         .name = "tube.framed_moment",
-        .title = "taken into a frame along the axis, moment, stable roots",
+        .title = "transformed into a frame along the axis, moment, stable roots",
         .source = "this project: Lagrange's identity in the frame of pbrt's cylinder",
         .roots = Roots::first_only,
     };

@@ -10,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct MitsubaTube {
     static constexpr Info info{
         .name = "tube.mitsuba",
-        .title = "taken into a frame in float, quadratic in double",
+        .title = "transformed into a frame in float, quadratic in double",
         .source = "Mitsuba 3, src/shapes/cylinder.cpp, ray_intersect_preliminary_impl, and solve_quadratic of math.h",
         .roots = Roots::first_only,
         .formats = Formats::binary32_only,

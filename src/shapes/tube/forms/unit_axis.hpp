@@ -8,7 +8,7 @@ namespace lostbits::intersect::tube {
 struct AlongUnitAxis {
     static constexpr Info info{
         .name = "tube.unit_axis",
-        .title = "dot products with the axis made a unit vector",
+        .title = "dot products with the normalised axis",
         .source = "Embree, kernels/geometry/cylinder.h, Cylinder::intersect, cut off at both ends",
         .roots = Roots::first_only,
     };
