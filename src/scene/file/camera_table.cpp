@@ -22,7 +22,7 @@ constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthogra
 
 bool is_zero(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-/// view × up|² ≤ 2^-80 |view|² |up|²: at an angle below 2^-40, rounding would decide the roll of the picture.
+/// |view × up|² ≤ 2^-80 |view|² |up|²: at an angle below 2^-40, rounding would decide the roll of the picture.
 bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
     const Vec<Real> across = cross(view, up);
     return dot(across, across) <= ldexp(dot(view, view) * dot(up, up), -80);

@@ -86,7 +86,7 @@ struct Disc {
         return dot(p - centre, normal) / (length(normal) * outer_radius);
     }
     [[nodiscard]] T unit() const { return outer_radius; }
-    /// p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
+    /// |p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T from = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
         return sqrt(square(max(max(inner_radius - from, from - outer_radius), T(0))) + square(up));

@@ -93,7 +93,7 @@ struct Triangle {
         const auto side = [](const T& x, const T& y, const T& z) { return max(max(x, y), z) - min(min(x, y), z); };
         return max(max(side(a.x, b.x, c.x), side(a.y, b.y, c.y)), side(a.z, b.z, c.z));
     }
-    /// p − q| with q the point of the triangle nearest to p. A triangle has no inside, so this is never negative.
+    /// |p − q| with q the point of the triangle nearest to p. A triangle has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - nearest(p))); }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {

@@ -62,7 +62,7 @@ struct Tube {
     /// Distance of a point from the wall, in units of `unit()`, whether it is outside, inside or beyond an end.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
+    /// |p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {

@@ -73,9 +73,9 @@ private:
     mask_t<T> hit_ = T(0) < T(0);
 };
 
-/// Finds a real root of y³ + b y² + c y + d between two points. The polynomial must not be positive at the first and
-/// not negative at the second. It takes Newton's steps, and halves the interval if a step leads out of it. Sources
-/// take a cube root or the cosine of a third of an angle, which is the same number.
+/// Finds a real root of y³ + b y² + c y + d between two points. The polynomial must be ≤ 0 at the first and ≥ 0 at the
+/// second. It takes Newton's steps, and halves the interval if a step leads out of it. Sources take a cube root or the
+/// cosine of a third of an angle, which is the same number.
 template <Number T>
 T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T& d) {
     const T zero(0), half = T(1) / T(2);
