@@ -54,8 +54,7 @@ struct Claim {
     // given
     Subject subject;
     std::string form, format;                       ///< no form if a row of a table takes its place
-    std::optional<intersect::Touching> convention;  ///< judged as closed or open primitives; absent: by the form's own
-                                                    ///< convention
+    std::optional<intersect::Touching> convention;  ///< judged as closed or open; absent: the form's own
     /// Requirements on the machine, without which the claim is skipped: `isa-256`, `processors-2`.
     std::vector<std::string> requirements;
 

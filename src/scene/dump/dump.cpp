@@ -138,8 +138,7 @@ public:
 
 private:
     std::vector<std::unique_ptr<Dump>> files_;
-    std::vector<std::uint64_t> first_;  ///< for each file: the number of rays before it; set before any of its records
-                                        ///< is read
+    std::vector<std::uint64_t> first_;  ///< rays before each file; set before its records are read
     std::size_t file_ = 0;
     std::uint64_t count_ = 0;
 };

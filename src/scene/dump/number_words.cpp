@@ -109,7 +109,7 @@ Word NumberWords::read(std::string_view text) const {
 }
 
 Word NumberWords::read_hexadecimal(std::string_view text) const {
-    // A double holds at most 53 bits exactly, except for the smallest numbers.
+    // A text of at most 53 bits is exactly a double, except for the smallest numbers.
     const std::string_view digits = unsigned_part(text).substr(2);
     double exact = 0;
     const auto [end, error] =

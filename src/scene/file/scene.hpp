@@ -68,10 +68,8 @@ struct Scene {
     Camera camera;
     std::vector<Solid<Real>> listed;                       ///< as written, in world units, in the file's order
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
-    std::shared_ptr<const triangle::Mesh> mesh;            ///< the triangles of all [[mesh]], which come last; null:
-                                                           ///< none
-    std::optional<Placement<double>> mesh_placed;          ///< the matrix of the triangles: ideal numbers, like the
-                                                           ///< vertices
+    std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]; its triangles come last; null: none
+    std::optional<Placement<double>> mesh_placed;          ///< their matrix: ideal numbers, like the vertices
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of the scene

@@ -63,8 +63,7 @@ private:
         toml::Exponent lengths, directions;  ///< every length and every direction is multiplied by two to this power
         std::optional<double> zeros;         ///< +0 or −0: replaces every zero of a direction
         OpenEnds open = {};                  ///< for the ranges of all rays
-        bool symmetric = false;              ///< once under each of the 48 symmetries of the axes, for ray and
-                                             ///< primitive alike
+        bool symmetric = false;              ///< ray and primitive, once under each of the 48 symmetries of the axes
         std::vector<SolidSpec> solids;
         std::vector<RaySpec> rays;
     };

@@ -32,8 +32,7 @@ struct Axis : AxisName {
 
 /// The changes to a sweep before a run begins.
 struct SweepChanges {
-    std::optional<std::pair<int, int>> size = {};  ///< size of the scene's picture, which is the number of rays in
-                                                   ///< each step
+    std::optional<std::pair<int, int>> size = {};  ///< of the scene's picture: the number of rays in each step
     /// Paths as in an axis: of the scene, or of the table of the ray distribution; `march.` and `axis[K].` are allowed
     /// too.
     std::vector<toml::Override> set = {};

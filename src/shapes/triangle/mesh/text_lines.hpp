@@ -30,7 +30,7 @@ public:
         if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
         if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
-        // Bytes that a text viewer takes for the end would hide the rest of the line.
+        // Some programs take these bytes for the end of a line, and hide the rest.
         refuse_byte('\0', "has a byte 0; is it text?");
         refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         return true;
