@@ -1,4 +1,4 @@
-// A matrix that a solid is to stand under, as it is given: twelve numbers, row by row.
+// A given matrix for a primitive: twelve numbers, row by row.
 #pragma once
 
 #include <array>
@@ -8,14 +8,15 @@
 
 namespace lostbits {
 
-/// With the sign of its determinant; one that is not proper is to be refused.
+/// Builds the placement, with the sign of its determinant. The caller refuses a placement that is not proper.
 template <class S>
 Placement<S> placement_of(const std::array<S, Affine<S>::numbers>& numbers, bool is_inverse = false) {
     return {numbers, is_inverse, orientation_of(numbers)};
 }
 
-/// Why it is refused, behind "the matrix " or the name of its key.
+/// The reason for refusing it. The text in front is "the matrix " or the name of its key.
 inline constexpr std::string_view singular_words =
-    "is singular: it flattens the solid, and no ray can be taken back; write rows that lie in no plane";
+    "is singular: it flattens the primitive, so no ray can be transformed back; write rows that do not lie in one "
+    "plane";
 
 }  // namespace lostbits

@@ -1,4 +1,4 @@
-// The box around any solid, over any number.
+// Bounding box of any primitive, over any number type.
 #pragma once
 
 #include "shapes/solid.hpp"
@@ -7,10 +7,10 @@ namespace lostbits {
 
 template <class T>
 using Hull = Box<T>;
-/// What forms of boxes are for.
+/// The shape of a bounding box; the forms of boxes intersect it.
 inline constexpr Shape hull_shape = shape_as<Box>;
 
-/// Whether a shape has a box around it: planes have a direction, and no length that ends them.
+/// True if a shape has a bounding box. Planes have none: they have a direction, and no length that ends them.
 inline bool has_hull(Shape shape) {
     if (!is_solid(shape)) return false;
     bool has_direction = false, has_length = false;
@@ -21,10 +21,11 @@ inline bool has_hull(Shape shape) {
     return has_length || !has_direction;
 }
 
-/// Of a solid as its numbers say, without its matrix: the box of the points of its keys, wider on each side by the
-/// longest of its lengths, of a torus by both. This is the least box of spheres, ellipsoids, capsules, triangles and
-/// boxes, and what renderers take for cylinders, tubes, cones and discs, whose least boxes may be smaller. Sums round
-/// as T does.
+/// Bounding box of a primitive from its own numbers, without its matrix: the box of the points of its keys, extended
+/// on each side by the longest of its lengths, or by the sum of both for a torus.
+///
+/// This is the smallest box for spheres, ellipsoids, capsules, triangles and boxes. For cylinders, tubes, cones and
+/// discs it is the box that renderers take, and the smallest one may be smaller. Sums round as T does.
 template <Number T>
 Hull<T> hull_of(const Solid<T>& solid) {
     Hull<T> hull{solid.point(0), solid.point(0)};
@@ -44,7 +45,7 @@ Hull<T> hull_of(const Solid<T>& solid) {
     return {hull.lo - reach, hull.hi + reach};
 }
 
-/// The box of the eight corners of a box, each taken elsewhere by `to(corner)`.
+/// Bounding box of the eight corners of a box, each transformed by `to(corner)`.
 template <Number T, class To>
 Hull<T> hull_of_corners(const Hull<T>& box, const To& to) {
     Hull<T> hull = box;

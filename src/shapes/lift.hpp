@@ -1,4 +1,4 @@
-// Stored rays and solids as numbers of an enclosure.
+// Converts stored rays and primitives to number types that enclose them.
 #pragma once
 
 #include <cmath>
@@ -13,14 +13,14 @@
 
 namespace lostbits {
 
-/// The sign of the determinant of a matrix (`orientation_of`).
+/// Returns the sign of the determinant of a matrix; see `orientation_of` in placement.hpp.
 int orientation_of(std::span<const Real, 12> matrix);
 
 template <class E, class S>
 E lift(const S& x) {
     return E(x);
 }
-/// A 256-bit number as a ball: two words and what they leave.
+/// Converts a 256-bit number to a ball: two words and a radius for the rest.
 template <>
 inline Ball lift<Ball, Real>(const Real& x) {
     const auto hi = x.convert_to<double>();
@@ -46,7 +46,7 @@ Solid<E> lift_solid(const Solid<S>& solid) {
     return transformed(solid, [](const S& x) { return lift<E>(x); });
 }
 
-/// Numbers of a format as the doubles that hold them.
+/// Converts the numbers of a format to the doubles that hold them.
 template <class T>
 Vec<double> as_doubles(const Vec<T>& v) {
     return {as_double(v.x), as_double(v.y), as_double(v.z)};
@@ -60,8 +60,8 @@ Solid<double> as_doubles(const Solid<T>& solid) {
     return transformed(solid, [](const T& x) { return as_double(x); });
 }
 
-/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
-/// number to 2^-104 of itself, as `lift` has it.
+/// `word_of` is the double nearest to a number, and `low_word_of` the double nearest to the rest. The low word is NaN
+/// if the two do not enclose the number to 2^-104 of itself, as `lift` requires.
 inline double word_of(double x) { return x; }
 inline double low_word_of(double) { return 0; }
 inline double word_of(const Real& x) { return x.convert_to<double>(); }

@@ -1,5 +1,5 @@
-// The closed list of shapes: for each a line, with its folder and its struct, and an include. What is included of the
-// folder is what `LOSTBITS_SHAPE_FILE(folder)` says, so that there is no `#pragma once`.
+// The closed list of shapes. Each shape has one line, with its folder and its struct, and one include.
+// `LOSTBITS_SHAPE_FILE(folder)` says which file of the folder is included, so this header has no `#pragma once`.
 // clang-format off
 #define LOSTBITS_SHAPES(line) \
     line(sphere, Sphere) \

@@ -9,7 +9,7 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-/// `each(key, component)` of every number, the component empty of a key of one number.
+/// Collects `each(key, component)` for every number. The component is empty if the key has one number.
 template <class Each>
 Strings named(Shape shape, const Each& each) {
     Strings names;
@@ -21,7 +21,7 @@ Strings named(Shape shape, const Each& each) {
     return names;
 }
 
-/// One list for each shape.
+/// Makes one list for each shape.
 template <class Each>
 std::array<Strings, shape_rows.size()> of_all(const Each& each) {
     std::array<Strings, shape_rows.size()> lists;
@@ -103,8 +103,8 @@ std::string no_end_words(Shape shape) {
     std::string told;
     for (const ShapeRow& row : shape_rows)
         if (row.told_end) told += (told.empty() ? "" : ", ") + std::string(row.plural);
-    return "ends a ray for the forms of " + told + "; those of " + std::string(row_of(shape).plural) +
-           " take no end and would ignore it; leave it out, or ask about " + told;
+    return "ends a ray only for the forms of " + told + "; the forms of " + std::string(row_of(shape).plural) +
+           " take no end and would ignore it; leave it out, or use " + told;
 }
 
 std::string limit_words(Shape shape, const Key& key) {
@@ -115,12 +115,13 @@ std::string limit_words(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::within_before)
         return "is not greater than 0, or not less than " + std::string((&key - 1)->name) +
                "; write a positive number less than that";
-    if (key.limit == Key::Limit::not_zero) return "is 0 in all three components; write where it points, at any length";
+    if (key.limit == Key::Limit::not_zero)
+        return "is 0 in all three components; write a vector of any length that points the right way";
     if (key.limit == Key::Limit::off_line_before)
         return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) + "; " +
                with_article(shape) + " has an area, so move one of the three";
     if (key.limit == Key::Limit::apart_from_before)
-        return "is " + std::string((&key - 1)->name) + "; " + with_article(shape) +
+        return "equals " + std::string((&key - 1)->name) + "; " + with_article(shape) +
                " has a height, so move one of the two";
     return "is below " + std::string((&key - 1)->name) + " in a component; " + with_article(shape) + " needs " +
            order_words(key) + " in each";

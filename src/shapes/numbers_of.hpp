@@ -1,4 +1,4 @@
-// The numbers of a shape in the order of its keys: the solid of them, and they of a solid.
+// Converts between a primitive and its numbers, in the order of the keys of its shape.
 #pragma once
 
 #include <concepts>
@@ -11,7 +11,7 @@
 
 namespace lostbits {
 
-/// The solid whose numbers are `number(0)`, `number(1)`, …
+/// Builds the primitive whose numbers are `number(0)`, `number(1)`, …
 template <template <class> class S, class T, class Numbers>
 constexpr S<T> solid_from(const Numbers& number) {
     const auto part = [&number]<std::size_t key>(std::integral_constant<std::size_t, key>) {
@@ -29,7 +29,7 @@ constexpr S<T> solid_from(const Numbers& number) {
     (std::make_index_sequence<S<T>::keys.size()>());
 }
 
-/// `take(number)` of each.
+/// Calls `take(number)` for each number.
 template <template <class> class S, class T, class Take>
 constexpr void each_number(const S<T>& solid, const Take& take) {
     const auto part = [&take](const auto&... parts) {

@@ -1,4 +1,4 @@
-// Whether three points lie on one line: what a triangle's vertices must not.
+// Tests if three points lie on one line, which the vertices of a triangle must not.
 #pragma once
 
 #include <cmath>
@@ -11,15 +11,16 @@ namespace lostbits {
 
 namespace detail {
 
-/// The component j, k of (b − a) × (c − a), in A.
+/// Component of (b − a) × (c − a) on the axis other than j and k, in A.
 template <class A, class S>
 A area_across(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c, int j, int k) {
     const auto from_a = [&](const Vec<S>& p, int i) { return A(p[i]) - A(a[i]); };
     return from_a(b, j) * from_a(c, k) - from_a(b, k) * from_a(c, j);
 }
 
-/// Whether it is proved to be other than zero, in double: each product is off by at most 3.01u of itself and 2^-1074,
-/// their difference by u more, so 2^-50 of the sizes of both is more than all of it where these are above 2^-900.
+/// True if that component is proved in double to be other than zero. Each product is off by at most 3.01u of itself
+/// and 2^-1074, and their difference by u more. So 2^-50 of the sizes of both is more than the whole error where these
+/// are above 2^-900.
 inline bool is_surely_wide(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c, int j, int k) {
     const double x = (b[j] - a[j]) * (c[k] - a[k]), y = (b[k] - a[k]) * (c[j] - a[j]);
     const double size = std::fabs(x) + std::fabs(y);
@@ -28,8 +29,8 @@ inline bool is_surely_wide(const Vec<double>& a, const Vec<double>& b, const Vec
 
 }  // namespace detail
 
-/// Or one of their numbers is not a number. Exact of floats and doubles, of whatever size; of wider numbers as their
-/// own arithmetic has it.
+/// True if the points lie on one line, or if one of their numbers is NaN. The answer is exact for floats and doubles
+/// of any size. Wider numbers use their own arithmetic.
 template <class S>
 bool on_one_line(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c) {
     constexpr int axes[3][2] = {{1, 2}, {2, 0}, {0, 1}};

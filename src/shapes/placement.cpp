@@ -18,7 +18,8 @@ bool is_finite(const S& x) {
     return isfinite(x);
 }
 
-/// A sum of six products of three numbers: of doubles an interval of 3·(1024 + 1074) + 8 bits holds it exactly.
+/// The determinant is a sum of six products of three numbers. An interval of 3·(1024 + 1074) + 8 bits holds it exactly
+/// for doubles.
 template <class S>
 int exact_orientation(std::span<const S, 12> matrix) {
     for (int bits = 256; bits <= 32768; bits *= 2) {
@@ -29,20 +30,21 @@ int exact_orientation(std::span<const S, 12> matrix) {
         if ((det < zero).is_yes()) return -1;
         if (det.is_exact()) return 0;
     }
-    throw Error(Exit::internal, "no precision was enough to tell the sign of a determinant");
+    throw Error(Exit::internal, "the sign of a determinant is still unknown at 32768 bits");
 }
 
 }  // namespace
 
 int orientation_of(std::span<const double, 12> matrix) {
     if (!std::ranges::all_of(matrix, is_finite<double>)) return 0;
-    // Three roundings a product, five of sums and differences: γ(8) times the sum of sizes, and what underflows.
+    // Each product has three roundings, and sums and differences have five: γ(8) times the sum of sizes, and what
+    // underflows.
     const Affine<double> m = Affine<double>::of([&](std::size_t k) { return matrix[k]; });
     const auto size = [](const Vec<double>& v) { return Vec<double>(std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)); };
     const Vec<double> a = size(m.rows[0]), b = size(m.rows[1]), c = size(m.rows[2]);
     const double all = a.x * (b.y * c.z + b.z * c.y) + a.y * (b.z * c.x + b.x * c.z) + a.z * (b.x * c.y + b.y * c.x);
     const double det = m.determinant();
-    // Below 2^100 a product that underflows takes less than 2^-970 from the whole.
+    // Below 2^100, a product that underflows changes the sum by less than 2^-970.
     const bool in_range = std::ranges::all_of(matrix, [](double x) { return std::fabs(x) < 0x1p100; });
     if (in_range && std::fabs(det) > 0x1p-48 * all + 0x1p-900) return det > 0 ? 1 : -1;
     return exact_orientation(matrix);

@@ -1,4 +1,4 @@
-// Solids that stand under a matrix: the stored numbers of it, and the same question put in the space of the solid.
+// Primitives under a matrix: its stored numbers, and the same question in the space of the primitive.
 #pragma once
 
 #include <array>
@@ -13,27 +13,28 @@
 
 namespace lostbits {
 
-/// The sign of the determinant, exactly; 0 too where a number is not finite. By row, twelve numbers. That of numbers of
-/// 256 bits is in lift.hpp: what the packs include knows no MPFR.
+/// Returns the exact sign of the determinant of a matrix, or 0 if a number is not finite. The matrix is given by row,
+/// as twelve numbers. The overload for 256-bit numbers is in lift.hpp, because the packs include this header and must
+/// not depend on MPFR.
 int orientation_of(std::span<const double, 12> matrix);
 
-/// A stored matrix of three rows and four columns, row by row, and which way it leads.
+/// A stored matrix of three rows and four columns, row by row, and its direction.
 template <class S>
 struct Placement {
     std::array<S, Affine<S>::numbers> matrix;
-    bool is_inverse = false;  ///< it leads from the world to the solid; else from the solid to the world
-    int orientation = 1;      ///< the sign of the determinant: −1 where it mirrors, 0 where it is none
+    bool is_inverse = false;  ///< true: from the world to the primitive; false: from the primitive to the world
+    int orientation = 1;  ///< sign of the determinant: −1 if the matrix mirrors, 0 if it is singular or not finite
 
     [[nodiscard]] Affine<S> map() const {
         return Affine<S>::of([this](std::size_t k) { return matrix[k]; });
     }
-    /// Whether all of its numbers are numbers, and it can be undone.
+    /// True if all numbers are finite and the matrix has an inverse.
     [[nodiscard]] bool is_proper() const { return orientation != 0; }
     friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// Each number through `lift`. Of doubles, which may have been rounded, the sign is found anew; whoever rounds in a
-/// wider number finds it.
+/// Converts each number by `lift`. Doubles may have been rounded, so the sign is computed again for them. Callers that
+/// round in a wider number type compute the sign themselves.
 template <class S, class Lift>
 auto transformed(const Placement<S>& from, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
@@ -46,18 +47,19 @@ auto transformed(const Placement<S>& from, Lift lift) {
     return to;
 }
 
-/// How a ray of the world stands to the solid as it is stored: the same line, at the same t, of what is `scale` > 0
-/// times as large.
+/// A ray of the world in the space of the stored primitive: the same line with the same t, for a primitive that is
+/// `scale` > 0 times as large.
 template <class E>
 struct InObject {
     Ray<E> ray;
     E scale;
 };
 
-/// With M = [A τ] from the solid to the world and v = o − τ, p' = A⁻¹(p − τ) makes of the ray (adj(A) v + t adj(A) d)/
-/// det A. Multiplied by |det A|, and mirrored with the solid where det A < 0, no number is divided: with s the sign,
-///     o' = s adj(A) v,   d' = s adj(A) d,   the solid s det A = |det A| times as large.
-/// Of a stored inverse o' = A o + τ, d' = A d, and the solid as it is.
+/// M = [A τ] leads from the primitive to the world. With v = o − τ, p' = A⁻¹(p − τ) turns the ray into
+/// (adj(A) v + t adj(A) d)/det A. Multiply by |det A|, and mirror with the primitive where det A < 0, so that no number
+/// is divided. With s the sign of det A,
+///     o' = s adj(A) v,   d' = s adj(A) d,   and the primitive is s det A = |det A| times as large.
+/// For a stored inverse, o' = A o + τ, d' = A d, and the primitive keeps its size.
 template <class E>
 InObject<E> in_object(const Ray<E>& ray, const Placement<E>& placed) {
     const Affine<E> m = placed.map();
@@ -68,7 +70,7 @@ InObject<E> in_object(const Ray<E>& ray, const Placement<E>& placed) {
             sign * m.determinant()};
 }
 
-/// The point of the solid as it is stored that stands at p of the world.
+/// Transforms the point p of the world to the space of the stored primitive.
 template <class E>
 Vec<E> point_in_object(const Vec<E>& p, const Placement<E>& placed) {
     const Affine<E> m = placed.map();

@@ -1,4 +1,4 @@
-// The closed list of shapes, and what each says of itself as a row of it.
+// The closed list of shapes, as rows of their properties.
 #pragma once
 
 #include <algorithm>
@@ -22,13 +22,13 @@
 
 namespace lostbits {
 
-/// The solids of the laboratory, and what else a form can be asked about: `sdf` stands for all solids together, as one
-/// field of distances. The values are those of the C interface.
+/// The shapes that a primitive can have, and `sdf`: all primitives together, as one field of distances. Forms can be
+/// asked about each of them. The values are those of the C interface.
 #define LOSTBITS_LINE(folder, S) folder,
 enum class Shape : std::uint8_t { LOSTBITS_SHAPES(LOSTBITS_LINE) sdf };
 #undef LOSTBITS_LINE
 
-/// `Shape::sphere` of `Sphere`; `sdf` of what is no shape.
+/// `Shape::sphere` for `Sphere`; `sdf` for a template that is not a shape.
 template <template <class> class S>
 inline constexpr Shape shape_as = Shape::sdf;
 #define LOSTBITS_LINE(folder, S) \
@@ -41,12 +41,12 @@ template <template <class> class First, template <class> class... Rest>
 struct ShapeList {
     static constexpr std::size_t size = 1 + sizeof...(Rest);
 
-    /// `act.template operator()<Sphere>()` for each shape in turn.
+    /// Calls `act.template operator()<Sphere>()` for each shape in turn.
     template <class Act>
     static constexpr void each(const Act& act) {
         act.template operator()<First>(), (act.template operator()<Rest>(), ...);
     }
-    /// `act.template operator()<Sphere>()` of the shape alone.
+    /// Calls `act.template operator()<Sphere>()` for this shape alone.
     template <Shape shape, class Act>
     static constexpr decltype(auto) of_shape(const Act& act) {
         if constexpr (shape_as<First> == shape) return act.template operator()<First>();
@@ -75,14 +75,14 @@ struct ShapeRow {
     std::string_view name, plural;
     std::span<const Key> keys;
     std::size_t numbers = 0;
-    bool told_end = false;      ///< its forms are told where a ray ends
-    bool zero_inside = false;   ///< from inside the answer is 0, where nothing else is said, and not the exit
-    bool usually_unit = false;  ///< most code that meets it takes directions of length one
-    bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
-    bool flat = false;          ///< a surface with a normal: it is met from its front or its back
-    bool surface = false;       ///< it has no inside: there are places where a line crosses it
-    bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
-    bool shaded = false;        ///< pictures are made of it: it has a normal for them
+    bool told_end = false;      ///< its forms take tmax, where a ray ends
+    bool zero_inside = false;   ///< from inside the answer is 0, unless a form says otherwise, and not the exit
+    bool usually_unit = false;  ///< most code for this shape takes directions of length one
+    bool round = false;         ///< its points are at one distance from a centre, so it is its own bounding ball
+    bool flat = false;          ///< a surface with a normal: a ray meets its front or its back
+    bool surface = false;       ///< it has no inside: a line crosses it at single points
+    bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between them
+    bool shaded = false;        ///< it has a normal for shading, so pictures can be made of it
     ShapeWords words = {};
 };
 
@@ -119,10 +119,10 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
 
 }  // namespace detail
 
-/// All shapes that a solid can have, in the order of the list.
+/// All shapes that a primitive can have, in the order of the list.
 inline constexpr std::span<const ShapeRow> shape_rows = detail::shape_rows;
 
-/// Those, and what is not a solid.
+/// All shapes of primitives, and `sdf`.
 inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
     std::array<Shape, shape_rows.size() + 1> all{};
     std::ranges::transform(shape_rows, all.begin(), &ShapeRow::shape);
@@ -132,10 +132,10 @@ inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
 
 inline constexpr bool is_solid(Shape shape) { return shape != Shape::sdf; }
 
-/// Of a shape that a solid can have.
+/// The row of a shape that a primitive can have.
 inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
 
-/// Whether the forms of a shape are told where a ray ends.
+/// True if the forms of a shape take tmax, where a ray ends.
 inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(shape).told_end; }
 
 inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
@@ -150,14 +150,14 @@ inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names
 }();
 inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
 
-/// Nothing where no shape has that name.
+/// Returns nothing if no shape has that name.
 inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     for (const Shape shape : all_shapes)
         if (name_of(shape) == name) return shape;
     return std::nullopt;
 }
 
-/// Some of the shapes, of one shape that alone, and whether solids stand under matrices.
+/// A set of shapes, and a flag that says if the primitives are under matrices. It converts from one shape.
 class Shapes {
 public:
     constexpr Shapes() = default;
@@ -167,12 +167,12 @@ public:
     }
 
     [[nodiscard]] constexpr bool has(Shape one) const { return (bits_ & Shapes(one).bits_) != 0; }
-    /// Whether they are more than one.
+    /// True if the set has more than one shape.
     [[nodiscard]] constexpr bool are_several() const {
         const unsigned shapes = bits_ & ~placed_bit;
         return (shapes & (shapes - 1)) != 0;
     }
-    /// The same under matrices, or as they are.
+    /// The same set, with or without the flag for matrices.
     [[nodiscard]] constexpr Shapes placed(bool under_matrix = true) const {
         Shapes all = *this;
         all.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;

@@ -1,4 +1,4 @@
-// Any shape as plain numbers: what the table's kernels, the files and the searches hand around without knowing which.
+// A primitive of any shape as plain numbers. Kernels, files and searches pass it around without knowing the shape.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@
 
 namespace lostbits {
 
-/// Of the numbers that solids are stored by: those of the shape, then those of the matrix.
+/// The largest count of numbers that a primitive is stored by: those of the shape, then those of the matrix.
 inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
 
-/// A shape and its numbers in storage type S; what lies beyond those of the shape is zero. Under a matrix it stands
-/// in the world where that takes it; else it is there as its numbers say.
+/// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A placement transforms
+/// the primitive to the world; without one, its numbers are in world coordinates.
 template <class S>
 struct Solid {
     Shape shape = shape_rows.front().shape;
@@ -42,7 +42,7 @@ struct Solid {
     [[nodiscard]] bool is() const {
         return shape == shape_as<Of>;
     }
-    /// The shape itself; ask for the one that `shape` names.
+    /// The primitive as its own struct; `Of` must be the shape that `shape` names.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
         return solid_from<Of, S>([this](std::size_t k) { return numbers[k]; });
@@ -64,20 +64,20 @@ private:
     }
 };
 
-/// `act.template operator()<Sphere>()` of a sphere.
+/// Calls `act.template operator()<Sphere>()` for a sphere.
 template <class S, class Act>
 decltype(auto) visit_shape(const Solid<S>& solid, const Act& act) {
     return Solids::visit_shape(solid, act);
 }
 
-/// `act` on the shape itself: a template, or an overload for every shape.
+/// Calls `act` on the struct of the shape. `act` is a template, or has an overload for every shape.
 template <class S, class Act>
 decltype(auto) visit(const Solid<S>& solid, const Act& act) {
     return visit_shape(solid,
                        [&]<template <class> class Of>() -> decltype(auto) { return act(solid.template as<Of>()); });
 }
 
-/// A solid k > 0 times as large about the origin, without its matrix.
+/// Scales a primitive by k > 0 about the origin, without its matrix.
 template <class S>
 Solid<S> scaled(const Solid<S>& solid, const S& k) {
     Solid<S> larger(solid.shape);
@@ -88,7 +88,7 @@ Solid<S> scaled(const Solid<S>& solid, const S& k) {
     return larger;
 }
 
-/// Has every part of a span tell d·d of the world, and not of the space of a solid.
+/// Sets d·d of every part of a span to that of the world ray, in place of that in the space of the primitive.
 template <class Span, class S>
 void tell_distances(Span& span, const S& d2) {
     span.d2 = d2;
@@ -97,7 +97,7 @@ void tell_distances(Span& span, const S& d2) {
     if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
 }
 
-/// `act(shape, ray)` in the space of a solid of that shape.
+/// Calls `act(shape, ray)` in the space of a primitive of that shape.
 template <template <class> class Of, class S, class Act>
 auto in_its_space(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
     if (!solid.placed) return act(solid.template as<Of>(), ray);
@@ -105,7 +105,7 @@ auto in_its_space(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
     return act(scaled(solid, in.scale).template as<Of>(), in.ray);
 }
 
-/// Where the ray's line is inside of a solid of that shape. Distances are those of the world.
+/// The interval in which the ray's line is inside a primitive of that shape. Distances are those of the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Solid<S>& solid) {
     auto span = in_its_space<Of>(ray, solid, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
@@ -113,14 +113,14 @@ auto span_of(const Ray<S>& ray, const Solid<S>& solid) {
     return span;
 }
 
-/// `act` on where the ray's line is inside of the solid.
+/// Calls `act` with the interval in which the ray's line is inside the primitive.
 template <class S, class Act>
 auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
     return visit_shape(solid, [&]<template <class> class Of>() { return act(span_of<Of>(ray, solid)); });
 }
 
-/// The centre and the radius of a ball that holds it. Of a solid under a stored matrix |A p| ≤ ‖A‖ |p| with Frobenius'
-/// norm; ask for none of one under a stored inverse.
+/// Centre and radius of a ball that holds the primitive. Under a stored matrix, |A p| ≤ ‖A‖ |p| with the Frobenius
+/// norm. Do not call it for a primitive under a stored inverse.
 template <class S>
 auto ball_around(const Solid<S>& solid) {
     auto ball = visit(solid, [](const auto& shape) { return shape.ball_around(); });
@@ -132,7 +132,7 @@ auto ball_around(const Solid<S>& solid) {
     return ball;
 }
 
-/// A solid of this shape around a point, as far as `half` from it on each axis.
+/// Builds a primitive of this shape around a point. It extends `half` from the point on each axis.
 template <class S>
 Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {
     Solid<S> made(shape);
@@ -140,7 +140,7 @@ Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {
     return made;
 }
 
-/// Each number through `lift`, in order; those of its matrix come last.
+/// Converts each number by `lift`, in order. The numbers of the matrix come last.
 template <class S, class Lift>
 auto transformed(const Solid<S>& from, Lift lift) {
     Solid<std::decay_t<std::invoke_result_t<Lift, const S&>>> to(from.shape);
@@ -149,7 +149,7 @@ auto transformed(const Solid<S>& from, Lift lift) {
     return to;
 }
 
-/// Whether two points differ, and all of their numbers are numbers.
+/// True if two points differ and none of their numbers is NaN.
 template <class S>
 bool are_apart(const Vec<S>& a, const Vec<S>& b) {
     bool differ = false;
@@ -160,8 +160,8 @@ bool are_apart(const Vec<S>& a, const Vec<S>& b) {
     return differ;
 }
 
-/// A limit of a key that these numbers break, and the number that breaks it: of a point on a line, its first. NaN
-/// breaks every limit.
+/// A limit of a key that these numbers break, and the number that breaks it. For a point on a line, that is its first
+/// coordinate. NaN breaks every limit.
 struct BrokenLimit {
     const Key* key;
     std::size_t number;
@@ -190,7 +190,7 @@ std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
     return std::nullopt;
 }
 
-/// `act(key, place of its first number)` for each key of the solid's shape.
+/// Calls `act(key, index of its first number)` for each key of the shape.
 template <class Act>
 void for_each_key(Shape shape, const Act& act) {
     std::size_t k = 0;
@@ -200,7 +200,7 @@ void for_each_key(Shape shape, const Act& act) {
     }
 }
 
-/// Whether the number at place k may be left out.
+/// True if the number at index k may be left out.
 inline bool is_optional(Shape shape, std::size_t k) {
     bool optional = false;
     for_each_key(shape, [&](const Key& key, std::size_t first) {
@@ -209,12 +209,12 @@ inline bool is_optional(Shape shape, std::size_t k) {
     return optional;
 }
 
-/// A key that is a length, and the place of its number.
+/// A key that is a length, and the index of its number.
 struct LengthKey {
     const Key* key;
     std::size_t number;
 };
-/// The first of a shape; nothing where it has none.
+/// The first length of a shape; nothing if it has none.
 inline std::optional<LengthKey> length_key(Shape shape) {
     std::optional<LengthKey> found;
     for_each_key(shape, [&found](const Key& key, std::size_t k) {

@@ -155,7 +155,7 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
          {given, share(""), "c.toml:12:10: claim[0].expect.metric needs an operation"},
          {given, share("operation = []\n"), "c.toml:14:13"},
          {given, metric_in("lost_bits_p50") + "operation = \"c\"\n",
-          "c.toml:14:1: claim[0].expect.operation goes with metric"},
+          "c.toml:14:1: claim[0].expect.operation needs metric"},
          {given, metric_in("contribution:c_p50"),
           "c.toml:12:10: unknown metric \"contribution:c_p50\" of sphere.schoolbook; did you mean "
           "\"contribution_c_p50\"?"},
@@ -265,7 +265,7 @@ TEST_CASE("a claim is about one ray of a scene, and a file of one's own and its 
     check_refused_claims(
         scratch, {{one + "[8, 0]\n" + tested("sphere.unified"), metric_in("agree_hit"), "columns 0 to 7"},
                   {one + "[0, -1]\n" + tested("sphere.unified"), metric_in("agree_hit"), "pixel[1]"},
-                  {one + "[0, 0]\nstep = 1\n" + tested("sphere.unified"), metric_in("agree_hit"), "beside step"},
+                  {one + "[0, 0]\nstep = 1\n" + tested("sphere.unified"), metric_in("agree_hit"), "together with step"},
                   {"sweep = \"sphere-distance\"\nat = 4\npixel = [0, 0]\n" + tested("sphere.unified"),
                    metric_in("agree_hit"), "needs a scene"}});
 }

@@ -120,7 +120,7 @@ TEST_CASE("claims about consistency are measured, and those that are none are re
                                    {before + "at = 3\n", fraction, "leave it out"},
                                    {before + "scene = \"near-benign\"\n", fraction, "write one of them"},
                                    {"scene = \"box-octree\"\ncheck = \"before\"\n" + tested("box.max_mult"),
-                                    metric_in("false_hit_fraction"), "goes with consistency"}});
+                                    metric_in("false_hit_fraction"), "needs consistency"}});
 }
 
 TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {

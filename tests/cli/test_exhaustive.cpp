@@ -200,7 +200,7 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict says how 
     CHECK(row.at("floats") == "65537");
     CHECK(explained(row.at("witness_explain"))["outcome"] == "false_hit");
     CHECK(nlohmann::json::parse(contents(scratch / "c.json"))[1]["floats"] == 1270);
-    check_refused_claims(scratch, {{given + "ray = \"beside\"\n", onset, "goes with `exhaustive = true`"},
+    check_refused_claims(scratch, {{given + "ray = \"beside\"\n", onset, "needs `exhaustive = true`"},
                                    {given + "at = 3\n", none, "write `exhaustive = true` in claim.given"},
                                    {given + "exhaustive = true\n", onset, "names no ray"},
                                    {given + "exhaustive = true\nray = \"besides\"\n", onset, "did you mean \"beside\""},

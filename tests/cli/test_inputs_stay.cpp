@@ -47,7 +47,7 @@ private:
     std::map<std::string, std::string> kept_;
 };
 
-const std::string taken = "is read by this run, whose results would take its place";
+const std::string taken = "is read by this run, and its results would overwrite it";
 
 }  // namespace
 

@@ -1,11 +1,11 @@
-// Ways to make a ray, as renderers and engines do it, and the closed list of them.
+// The ray generators of renderers and engines, and the closed list of them.
 #pragma once
 
 #include "scene/camera/numbers.hpp"
 
 namespace lostbits::scene::camera {
 
-/// As three.js makes the ray of a pointer.
+/// The ray of a pointer in three.js.
 struct ThreeRay : InvertsProjection {
     static constexpr MakerInfo info{
         .name = "three",
@@ -23,8 +23,8 @@ struct ThreeRay : InvertsProjection {
     }
 };
 
-/// As Babylon.js makes a picking ray. The second point has z = 1 - 1e-8 whatever the range of depths is: behind the
-/// near plane where z is reversed, and 1 itself in float.
+/// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: it is behind the near
+/// plane if z is reversed, and 1 itself in float.
 struct BabylonRay : InvertsBoth {
     static constexpr MakerInfo info{
         .name = "babylon",
@@ -41,7 +41,7 @@ struct BabylonRay : InvertsBoth {
     }
 };
 
-/// Two calls of `unProject`, at the near plane and at the far one: as tutorials of picking have it.
+/// Two calls of `unProject`, at the near plane and at the far one, as in tutorials on picking.
 struct GlmRay : InvertsBoth {
     static constexpr MakerInfo info{
         .name = "glm",
@@ -58,8 +58,8 @@ struct GlmRay : InvertsBoth {
     }
 };
 
-/// As the samples of DirectX Raytracing make a camera's ray. z = 0 is the near plane where z runs from 0 to 1, and the
-/// far one where it is reversed.
+/// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far one
+/// if it is reversed.
 struct DxrRay : InvertsBoth {
     static constexpr MakerInfo info{
         .name = "dxr",
@@ -74,8 +74,8 @@ struct DxrRay : InvertsBoth {
     }
 };
 
-/// As Unreal deprojects a point of the screen. Its depths, 1 and 0.01, are those of reversed z; of others the same
-/// shares between far and near.
+/// A deprojected point of the screen in Unreal. Its depths, 1 and 0.01, are those of reversed z. For other depths the
+/// same fractions between far and near are used.
 struct UnrealRay {
     static constexpr MakerInfo info{
         .name = "unreal",
@@ -96,8 +96,8 @@ struct UnrealRay {
     }
 };
 
-/// As Bevy made the ray of a pointer from 0.9 to 0.16. Its depths, 1 and f32::EPSILON, are those of reversed z with the
-/// far plane at infinity.
+/// The ray of a pointer in Bevy 0.9 to 0.16. Its depths, 1 and f32::EPSILON, are those of reversed z with the far
+/// plane at infinity.
 struct BevyRay {
     static constexpr MakerInfo info{
         .name = "bevy",
@@ -118,11 +118,11 @@ struct BevyRay {
     }
 };
 
-/// As Bevy makes the ray of a pointer since 0.17: the difference in the space of the camera.
+/// The ray of a pointer in Bevy since 0.17: the difference is taken in the space of the camera.
 struct BevyViewRay : InvertsProjection {
     static constexpr MakerInfo info{
         .name = "bevy_view",
-        .title = "both points through P^-1, inverted in the format; their difference turned, the near one moved",
+        .title = "both points through P^-1, inverted in the format; their difference rotated, the near one moved",
         .source = "Bevy 0.17, crates/bevy_camera/src/camera.rs, Camera::viewport_to_world (pull request 20700)",
         .from_near = true,
     };
@@ -135,12 +135,12 @@ struct BevyViewRay : InvertsProjection {
     }
 };
 
-/// As NVIDIA's ray tracing tutorial for Vulkan makes the ray of a pixel. The stored view has -R e, rounded, for its
-/// last column, and the eye is what its inverse makes of that.
+/// The ray of a pixel in NVIDIA's ray tracing tutorial for Vulkan. The last column of the stored view is -R e,
+/// rounded, and the eye is computed from it by the inverse.
 struct NvproRay {
     static constexpr MakerInfo info{
         .name = "nvpro",
-        .title = "z = 1 through P^-1, made unit and turned by V^-1, both inverted in the format; the eye from V^-1",
+        .title = "z = 1 through P^-1, normalised and rotated by V^-1, both inverted in the format; the eye from V^-1",
         .source = "nvpro-samples/vk_raytracing_tutorial_KHR, ray_tracing__simple/shaders/raytrace.rgen",
     };
 
@@ -159,11 +159,12 @@ struct NvproRay {
     }
 };
 
-/// As Godot makes the normal of a ray through a point of the viewport.
+/// The normal of a ray through a point of the viewport in Godot.
 struct GodotRay : AsStored {
     static constexpr MakerInfo info{
         .name = "godot",
-        .title = "half extents of the near plane from P's diagonal, made unit, turned by the camera's basis, made unit",
+        .title =
+            "half extents of the near plane from P's diagonal, normalised, rotated by the camera's basis, normalised",
         .source = "Godot, scene/3d/camera_3d.cpp, project_local_ray_normal and project_ray_normal",
     };
 
@@ -176,11 +177,11 @@ struct GodotRay : AsStored {
     }
 };
 
-/// Three vectors across and into the picture: as the samples of OptiX have it, and many path tracers.
+/// Three vectors across and into the picture, as in the samples of OptiX and many path tracers.
 struct OptixRay : AsStored {
     static constexpr MakerInfo info{
         .name = "optix",
-        .title = "x U + y V + W, made unit; U and V are the tangents times the axes, in the format",
+        .title = "x U + y V + W, normalised; U and V are the tangents times the axes, in the format",
         .source = "OptiX SDK, SDK/optixPathTracer/optixPathTracer.cu __raygen__rg: normalize(d.x*U + d.y*V + W)",
     };
 
@@ -192,8 +193,8 @@ struct OptixRay : AsStored {
     }
 };
 
-/// As "Ray Tracing in One Weekend" finds the middle of a pixel in the world, and the way there from the eye. Its
-/// directions are not made unit there; here they are, by a quotient for each component.
+/// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The
+/// source does not normalise directions; here they are, by a quotient for each component.
 struct WeekendRay {
     static constexpr MakerInfo info{
         .name = "weekend",
@@ -222,13 +223,13 @@ struct WeekendRay {
     }
 };
 
-/// As pbrt's perspective camera makes a ray, where the world is moved so that the eye is its origin.
+/// The ray of pbrt's perspective camera, with the world moved so that the eye is its origin.
 struct PbrtRay : AsStored {
     static constexpr MakerInfo info{
         .name = "pbrt",
         .title =
-            "the middle of the pixel through the stored matrix from raster to camera, made unit and turned; the eye "
-            "apart",
+            "the middle of the pixel through the stored matrix from raster to camera, normalised and rotated; the eye "
+            "separate",
         .source = "pbrt-v4, src/pbrt/cameras.cpp, PerspectiveCamera::GenerateRay",
     };
 
@@ -249,11 +250,11 @@ struct DifferentialsRay {
     static constexpr MakerInfo info{
         .name = "differentials",
         .title =
-            "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, made unit and turned",
+            "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, normalised and rotated",
         .source = "pbrt-v4, src/pbrt/cameras.h and cameras.cpp, PerspectiveCamera::GenerateRayDifferential",
     };
 
-    /// dxCamera: how far a pixel is on the near plane.
+    /// dxCamera: the width of a pixel on the near plane.
     template <Number T>
     static Vec<T> prepare(const CameraNumbers<T>& camera) {
         const auto at = [&](int x) { return over_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
@@ -266,11 +267,11 @@ struct DifferentialsRay {
     }
 };
 
-/// The inverse of projection and view without the eye's place, and the eye apart: camera-relative rendering.
+/// The inverse of projection and view without the eye's position, and the eye separately: camera-relative rendering.
 struct RelativeRay : AsStored {
     static constexpr MakerInfo info{
         .name = "relative",
-        .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye apart",
+        .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye separate",
         .source =
             "Unity-Technologies/Graphics 4a193f6, com.unity.render-pipelines.high-definition/Documentation~/"
             "Camera-Relative-Rendering.md:9; Unreal's ScreenToTranslatedWorld",
@@ -282,7 +283,7 @@ struct RelativeRay : AsStored {
     }
 };
 
-/// `act.template operator()<ThreeRay>()` for each in turn.
+/// Calls `act.template operator()<ThreeRay>()` for each ray generator in turn.
 template <class Act>
 constexpr void for_each_maker(const Act& act) {
     const auto all = [&act]<class... M>() { (act.template operator()<M>(), ...); };

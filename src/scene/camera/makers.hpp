@@ -1,4 +1,4 @@
-// The table of ways to make a ray: each over floats, doubles, numbers of any format, and exact ones.
+// The table of ray generators: each over floats, doubles, numbers of any format, and exact numbers.
 #pragma once
 
 #include <array>
@@ -19,17 +19,17 @@ struct Rows {
     int first, last;
 };
 
-/// The rays of every pixel of some rows, in the order of the pixels.
+/// Makes the rays of every pixel of some rows, in the order of the pixels.
 template <class T>
 using MakeIn = void (*)(const CameraNumbers<T>&, Rows, const std::function<void(const Ray<T>&)>& take);
 
-/// A pixel by its whole numbers.
+/// A pixel by its whole coordinates.
 struct Place {
     int x, y;
 };
 
-/// Every operation that makes a ray in a format, onto a tape whose inputs are the numbers of the camera, in the order
-/// of `CameraNumbers::each`, and the x, y and left of the pixel; and where the ray's six numbers stand.
+/// Records every operation that makes a ray in a format. The inputs of the tape are the numbers of the camera, in the
+/// order of `CameraNumbers::each`, and the x, y and left of the pixel. Returns the nodes of the ray's six numbers.
 using RecordRay = std::array<NodeId, 6> (*)(const Format&, const CameraNumbers<double>&, Place, Tape&);
 
 struct Maker {
@@ -41,9 +41,9 @@ struct Maker {
     RecordRay record;
 };
 
-/// In the order of the list.
+/// All ray generators, in the order of the list.
 std::span<const Maker> makers();
-/// Null where none has that name.
+/// Returns null if no ray generator has that name.
 const Maker* find_maker(std::string_view name);
 
 }  // namespace lostbits::scene::camera

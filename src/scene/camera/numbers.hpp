@@ -1,4 +1,4 @@
-// What a way to make rays is given: a camera as a program stores it, and the steps that most ways share.
+// The inputs of a ray generator: a camera as a program stores it, and the steps that most ray generators share.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace lostbits::scene::camera {
 
-/// A point before it is divided by w.
+/// A point before division by w.
 template <class T>
 struct Homogeneous {
     Vec<T> at;
@@ -29,7 +29,7 @@ struct Matrix4 {
         };
         return {{row(0), row(1), row(2)}, row(3)};
     }
-    /// Of a matrix whose last row is 0 0 0 1.
+    /// Transforms a point by a matrix whose last row is 0 0 0 1.
     [[nodiscard]] Vec<T> affine(const Vec<T>& p) const { return point(p).at; }
     [[nodiscard]] Vec<T> linear(const Vec<T>& v) const {
         const auto row = [&](std::size_t i) { return rows[i][0] * v.x + rows[i][1] * v.y + rows[i][2] * v.z; };
@@ -37,7 +37,7 @@ struct Matrix4 {
     }
     [[nodiscard]] Vec<T> shift() const { return {rows[0][3], rows[1][3], rows[2][3]}; }
 
-    /// Each number through `f`, row by row, to a matrix over what that returns.
+    /// Applies `f` to each number, row by row, and returns a matrix of the results.
     template <class F>
     [[nodiscard]] auto each(const F& f) const {
         return Matrix4<decltype(f(rows[0][0]))>::of([&](std::size_t i, std::size_t j) { return f(rows[i][j]); });
@@ -49,7 +49,7 @@ struct Matrix4 {
     }
 };
 
-/// First b, then a: sums of four products, left to right.
+/// The product that applies first b, then a: sums of four products, left to right.
 template <class T>
 Matrix4<T> operator*(const Matrix4<T>& a, const Matrix4<T>& b) {
     return Matrix4<T>::of([&](std::size_t i, std::size_t j) {
@@ -58,7 +58,7 @@ Matrix4<T> operator*(const Matrix4<T>& a, const Matrix4<T>& b) {
     });
 }
 
-/// adj(M) times 1/det(M), the minors from differences of two products: as GLM's `inverse`, glam's and Babylon's are.
+/// adj(M) times 1/det(M), with minors from differences of two products, as in GLM, glam and Babylon.
 template <class T>
 Matrix4<T> inverse(const Matrix4<T>& m) {
     const auto& a = m.rows;
@@ -79,31 +79,31 @@ Matrix4<T> inverse(const Matrix4<T>& m) {
     return adjugate.each([&](const T& x) -> T { return x * over_det; });
 }
 
-/// What a way says of itself.
+/// The properties of a ray generator.
 struct MakerInfo {
-    std::string_view name;  ///< `three` of `sphere.unified@ray.three`, unique
+    std::string_view name;  ///< unique; `three` in `sphere.unified@ray-three`
     std::string_view title;
     std::string_view source;
     bool from_near = false;  ///< its rays begin on the near plane, not at the eye
 };
 
-/// A pinhole camera in a format: every number made from the scene's in exact numbers and rounded once. Clip space has x
-/// to the right and y up; the camera looks along -z of its own space.
+/// A pinhole camera in a format: every number is computed from the scene's in exact numbers and rounded once. In clip
+/// space x points to the right and y up. The camera looks along -z of its own space.
 template <class T>
 struct CameraNumbers {
     int width, height;               ///< pixels
     Vec<T> eye, right, up, forward;  ///< the last three of length one
-    T tan_x, tan_y;                  ///< half of the picture's width and height, 1 in front of the eye
+    T tan_x, tan_y;                  ///< half of the picture's width and height, at distance 1 in front of the eye
     T near;
-    T depth_near, depth_far;  ///< z of both planes in clip space over w
+    T depth_near, depth_far;  ///< z over w of both planes in clip space
     Matrix4<T> view;          ///< from the world to the camera's space
     Matrix4<T> projection;    ///< from there to clip space
     Matrix4<T> to_world;      ///< the inverse of `view`: the axes and the eye
-    /// The inverse of projection times view; the same where the eye is the origin of the world.
+    /// The inverse of projection times view, and the same with the eye at the origin of the world.
     Matrix4<T> clip_to_world, clip_to_offset;
-    Matrix4<T> raster_to_camera;  ///< pixels to the right and down, and z from 0 on the near plane
+    Matrix4<T> raster_to_camera;  ///< pixels to the right and down; z is 0 on the near plane
 
-    /// Each number through `f`, in this order.
+    /// Applies `f` to each number, in this order.
     template <class F>
     [[nodiscard]] auto each(const F& f) const {
         using S = decltype(f(near));
@@ -128,7 +128,7 @@ struct CameraNumbers {
     }
 };
 
-/// What the numbers are called, in the order of `CameraNumbers::each`: `eye.x`, `tan_x`, `view.r0c3`.
+/// The names of the numbers, in the order of `CameraNumbers::each`: `eye.x`, `tan_x`, `view.r0c3`.
 std::vector<std::string> camera_number_names();
 
 /// x counts to the right from the left column, y down from the top row.
@@ -138,7 +138,7 @@ struct Pixel {
     T left;  ///< x - 1
 };
 
-/// For ways that make no matrix of their own.
+/// Base of ray generators that make no matrix of their own.
 struct AsStored {
     template <Number T>
     static int prepare(const CameraNumbers<T>&) {
@@ -146,7 +146,7 @@ struct AsStored {
     }
 };
 
-/// For ways that invert the projection alone, in the format.
+/// Base of ray generators that invert only the projection in the format.
 struct InvertsProjection {
     template <Number T>
     static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
@@ -154,7 +154,7 @@ struct InvertsProjection {
     }
 };
 
-/// For ways whose product of both matrices and its inverse, (P V)^-1, are made in the format.
+/// Base of ray generators that compute the product of both matrices and its inverse, (P V)^-1, in the format.
 struct InvertsBoth {
     template <Number T>
     static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
@@ -162,14 +162,14 @@ struct InvertsBoth {
     }
 };
 
-/// The middle of a pixel in clip space over w: (x + 1/2)/width * 2 - 1, and the same of y, negated.
+/// The middle of a pixel in clip space over w: (x + 1/2)/width * 2 - 1, and the same for y, negated.
 template <Number T>
 Vec<T> clip_point(const CameraNumbers<T>& camera, const Pixel<T>& pixel, const T& z) {
     const T half = T(1) / T(2), two(2), one(1);
     return {(pixel.x + half) / T(camera.width) * two - one, -((pixel.y + half) / T(camera.height) * two - one), z};
 }
 
-/// Between the far plane (0) and the near one (1): of reversed z the depth itself.
+/// The depth at a fraction between the far plane (0) and the near one (1). For reversed z it is the fraction itself.
 template <Number T>
 T depth_at(const CameraNumbers<T>& camera, const T& share) {
     return camera.depth_far + share * (camera.depth_near - camera.depth_far);
@@ -183,19 +183,19 @@ template <Number T>
 Vec<T> over_w(const Homogeneous<T>& p) {
     return over(p.at, p.w);
 }
-/// Multiplied by 1/w.
+/// Multiplies by 1/w.
 template <Number T>
 Vec<T> times_over_w(const Homogeneous<T>& p) {
     return T(1) / p.w * p.at;
 }
 
-/// What a matrix makes of the middle of a pixel at a depth, over w.
+/// Transforms the middle of a pixel at a depth by a matrix, over w.
 template <Number T>
 Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
     return over_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 
-/// v/|v|, multiplied by 1/|v|; `unit_of` has quotients.
+/// v/|v|, multiplied by 1/|v|; `unit_of` uses quotients.
 template <Number T>
 Vec<T> unit_by_reciprocal(const Vec<T>& v) {
     return T(1) / length(v) * v;

@@ -34,41 +34,42 @@ constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidenc
                                                                {"counterexample", Evidence::counterexample},
                                                                {"sample", Evidence::sample}};
 
-/// Empty for what files do not name.
+/// Returns an empty name for values that files cannot name.
 template <class E, std::size_t n>
 std::string_view name_in(const std::pair<std::string_view, E> (&names)[n], E value) {
     const auto found = std::ranges::find(names, value, &std::pair<std::string_view, E>::second);
     return found == std::end(names) ? "" : found->first;
 }
 
-/// What was found, and of a qualified sentence what it takes for it to be true.
+/// Reads the verdict and, if it is qualified, the condition for it.
 void read_verdict(TableReader& table, Claim& claim) {
     claim.verdict = table.one_of<V>("verdict", verdicts);
     claim.condition = table.optional_string("condition").value_or("");
     if (claim.verdict == V::qualified && claim.condition.empty())
         table.fail_at("verdict",
-                      "is qualified: say when the sentence is true, as condition = \"where touching is a miss\"");
+                      "is qualified; say when the sentence is true, as in condition = \"where touching is a miss\"");
     if (claim.verdict != V::qualified && !claim.condition.empty())
-        table.fail_at("condition", "goes with verdict = \"qualified\": a sentence that is true where it is met");
+        table.fail_at("condition",
+                      "needs verdict = \"qualified\", for a sentence that is true if the condition is met");
 }
 
-/// What the verdict rests on, and whether the claim has that.
+/// Reads the evidence for the verdict, and checks that the claim has it.
 void read_evidence(TableReader& table, Claim& claim) {
     claim.evidence = table.optional_one_of<Evidence>("evidence", evidences).value_or(Evidence::none);
     claim.lemma = table.optional_string("lemma").value_or("");
     if (claim.evidence == Evidence::proof && claim.lemma.empty())
-        table.fail_at("evidence", "is a proof: write its inequality, or where that stands, as lemma = \"...\"");
+        table.fail_at("evidence", "is a proof; write its inequality, or where to find it, as lemma = \"...\"");
     if (claim.evidence != Evidence::proof && !claim.lemma.empty())
-        table.fail_at("lemma", "goes with evidence = \"proof\", of which it is the inequality");
+        table.fail_at("lemma", "needs evidence = \"proof\", because it is the inequality of a proof");
     if (claim.evidence == Evidence::counterexample && claim.verdict == V::holds)
-        table.fail_at("evidence", "is a counterexample, which refutes a sentence: write verdict = \"refuted\"");
+        table.fail_at("evidence", "is a counterexample, which refutes a sentence; write verdict = \"refuted\"");
 }
 
-/// `operation = "c"`, or several.
+/// Reads `operation = "c"`, or a list of operations.
 void read_operations(TableReader& table, Claim& claim) {
     constexpr std::string_view share = "culprit_fraction", key = "operation";
     if (claim.metric != share)
-        return table.reject(key, "goes with metric = \"culprit_fraction\", the share of that operation");
+        return table.reject(key, "needs metric = \"culprit_fraction\", the share of that operation");
     if (!table.has(key))
         table.fail_at("metric",
                       "needs an operation: operation = \"c\", its name in the formula, or an expression as `lostbits "
@@ -80,7 +81,7 @@ void read_operations(TableReader& table, Claim& claim) {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Of `> 0`: what stands before the number.
+/// Returns the comparison in front of the number, as in `> 0`.
 std::string comparison_of(const std::string& text) {
     for (const char* each : {"<=", ">=", "<", ">", "="}) {
         if (text.starts_with(each)) return each;
@@ -106,8 +107,8 @@ Criterion compared(TableReader& table, const std::string& text) {
     return {-infinite, comparison == "<" ? std::nextafter(x, -infinite) : x, shown};
 }
 
-/// The key `criterion`: a comparison ("= 0", "< 1", "<= 1", "> 0", ">= 10"), or the two ends of an interval. InputError
-/// for anything else.
+/// Reads the key `criterion`: a comparison ("= 0", "< 1", "<= 1", "> 0", ">= 10"), or the two ends of an interval.
+/// Throws InputError for anything else.
 std::optional<Criterion> read_criterion(TableReader& table) {
     if (!table.has("criterion")) return std::nullopt;
     if (table.node("criterion").kind != Node::Kind::array) return compared(table, table.string("criterion"));
@@ -133,7 +134,7 @@ void read_expect(TableReader table, Claim& claim) {
             table.fail_at("statistic", "over every float is " + std::string(usual) + "; leave it out");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
     } else if (along) {
-        table.fail_at("metric", "along a sweep needs `at` in claim.given, the place on the axis, or `case`");
+        table.fail_at("metric", "along a sweep needs `at` in claim.given, the position on the axis, or `case`");
     }
     claim.quantity = table.where("metric");
     read_operations(table, claim);

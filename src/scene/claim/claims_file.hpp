@@ -12,60 +12,59 @@
 
 namespace lostbits::scene::claim {
 
-/// The numbers of which a sentence is true: "no ray is missed" says = 0 of a share of misses.
+/// The numbers for which a sentence is true. "No ray is missed" means = 0 for a share of misses.
 struct Criterion {
-    double low, high;  ///< both count; a bound that is not met itself (`> 0`) is the next double beyond it
-    std::string text;  ///< as tables show it: `>= 10`, `[0.4, 0.6]`
+    double low, high;  ///< both included; an excluded bound (`> 0`) is stored as the next double beyond it
+    std::string text;  ///< as in tables: `>= 10`, `[0.4, 0.6]`
 
-    /// True of all numbers from `from` to `to`.
+    /// True if the criterion is true of all numbers from `from` to `to`.
     [[nodiscard]] bool is_met_by(double from, double to) const { return low <= from && to <= high; }
-    /// True of none of them.
+    /// True if the criterion is true of none of them.
     [[nodiscard]] bool is_failed_by(double from, double to) const { return to < low || high < from; }
-    /// A verdict follows from what the sentence says of every number that the interval from `from` to `to` admits, so
-    /// whatever is measured in it confirms the verdict too. InputError at the criterion where it does not.
+    /// Checks that the verdict follows from what the sentence says of every number from `from` to `to`. Then every
+    /// measurement in that interval confirms the verdict too. Throws InputError at the criterion otherwise.
     void demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const;
 };
 
 struct Claim {
-    /// `qualified`: true with a condition that the source does not state, as `condition` does.
+    /// `qualified`: true under a condition that the source does not state, and `condition` does.
     enum class Verdict { holds, qualified, refuted };
     enum class Severity { error, warn };
-    /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are
-    /// neither.
-    /// `libraries`: of intersectors that are not part of lostbits, and may not be loaded.
+    /// Says which run of `lostbits check` measures the claim. `results` are the same everywhere and always; `timing`
+    /// is not. `libraries` are claims about intersectors that are not part of lostbits and may not be loaded.
     enum class Profile { results, timing, libraries };
 
-    /// What the verdict rests on. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence speaks
-    /// of was measured. `search`: an adversarial search for the worst case, or the worst that one found.
-    /// `counterexample`: what was measured contradicts the sentence. `sample`: the rays that were measured, and no
-    /// others. A sentence with a word of all cases ("never", "at most") must say.
+    /// The evidence for the verdict. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence
+    /// covers was measured. `search`: an adversarial search for the worst case, or the worst case that one found.
+    /// `counterexample`: the measurement contradicts the sentence. `sample`: only the measured rays. A sentence about
+    /// all cases ("never", "at most") must state its evidence.
     enum class Evidence { none, proof, exhaustive, search, counterexample, sample };
 
     std::string id, statement, source, note;
-    Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
-    std::string condition;             ///< of a `qualified` one: `where touching is a miss`
+    Verdict verdict = Verdict::holds;  ///< the finding; for every verdict the measurement must be in `low`..`high`
+    std::string condition;             ///< of a `qualified` claim: `where touching is a miss`
     Severity severity = Severity::error;
     Profile profile = Profile::results;
     Evidence evidence = Evidence::none;
-    std::string lemma;  ///< the inequality of a proof, or where it stands
-    toml::Where where;  ///< of the claim, for messages
-    /// The command line named its file; else it is one of the data folder.
+    std::string lemma;  ///< the inequality of a proof, or where to find it
+    toml::Where where;  ///< position of the claim, for messages
+    /// True if the command line named its file; otherwise the file is in the data folder.
     bool named = false;
 
     // given
     Subject subject;
-    std::string form, format;                       ///< no form where a table's row stands in its place
-    std::optional<intersect::Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
-    /// What the machine must have, or the claim is skipped: `isa-256`, `processors-2`.
+    std::string form, format;                       ///< no form if a row of a table takes its place
+    std::optional<intersect::Touching> convention;  ///< judged as closed or open; absent: the form's own
+    /// Requirements on the machine, without which the claim is skipped: `isa-256`, `processors-2`.
     std::vector<std::string> requirements;
 
-    /// Whether somebody else said it: `source` is not "-".
+    /// True if the claim cites somebody: `source` is not "-".
     [[nodiscard]] bool is_sourced() const { return source != "-"; }
-    /// The scene, sweep or table, or the work that is timed.
+    /// The name of the scene, sweep or table, or of the work that is timed.
     [[nodiscard]] const std::string& subject_name() const;
-    /// The form, or the row of a table.
+    /// The name of the form, or of the row of a table.
     [[nodiscard]] const std::string& tested() const;
-    /// What it is measured on, where that is of this kind; else null.
+    /// The subject, if it is of this kind; else null.
     template <class Kind>
     [[nodiscard]] const Kind* on() const {
         return std::get_if<Kind>(&subject);
@@ -73,17 +72,17 @@ struct Claim {
 
     // expect: a column of the summary, or an onset along the sweep
     std::string metric;
-    std::vector<std::string> operations;  ///< of `culprit_fraction`: the operations whose shares are summed
-    toml::Where quantity;                 ///< of the metric, or of its operations, for messages
-    std::string onset, statistic;         ///< event and statistic of `onsets.csv`
+    std::vector<std::string> operations;  ///< for `culprit_fraction`: the operations whose shares are summed
+    toml::Where quantity;                 ///< position of the metric, or of its operations, for messages
+    std::string onset, statistic;         ///< event and statistic, as in `onsets.csv`
     double threshold = 0;
-    double low = 0, high = 0;  ///< both ends count: a guard against drift, fitted to what was measured
-    /// What the sentence says. True of all of `low`..`high` where it holds, of none of it where it is refuted, and
-    /// one of the two where it is qualified. Without one the sentence describes the number, and the interval is what it
-    /// says.
+    double low = 0, high = 0;  ///< both ends included; they guard against drift, and are fitted to the measurement
+    /// The statement of the sentence about the number. It is true of all of `low`..`high` if the claim holds, of none
+    /// of it if it is refuted, and one of the two if it is qualified. Without a criterion the sentence describes the
+    /// number, and the interval is its statement.
     std::optional<Criterion> criterion;
-    /// The interval was derived from so many draws (see `interval_of` in measure/claim); 0: it is not about anything
-    /// random, or comes from elsewhere.
+    /// Number of draws from which the interval was derived (see `interval_of` in measure/claim). 0: nothing in the
+    /// claim is random, or the interval comes from elsewhere.
     int draws = 0;
 };
 
@@ -91,10 +90,11 @@ std::string_view name_of(Claim::Verdict verdict);
 std::string_view name_of(Claim::Profile profile);
 std::string_view name_of(Claim::Evidence evidence);
 
-/// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
+/// Reads all claims of a file. Throws InputError with a position for anything that is not a claim, and for an id that
+/// is given twice.
 std::vector<Claim> read_claims(const std::filesystem::path& path);
 
-/// All `*.toml` of a folder, sorted, or the file itself.
+/// Returns all `*.toml` of a folder, sorted, or the file itself.
 std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder);
 
 }  // namespace lostbits::scene::claim

@@ -1,4 +1,4 @@
-// What a report shows when nothing is named: data/report.toml.
+// The content of a report if nothing is named on the command line: data/report.toml.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,15 @@
 namespace lostbits::scene::claim {
 
 struct ReportFile {
-    std::vector<std::string> scenes;  ///< ids, with the variant where a scene has several
+    std::vector<std::string> scenes;  ///< ids, with the variant if a scene has several
     std::vector<std::string> sweeps;
     std::vector<std::string> forms;  ///< globs
     std::vector<std::string> formats;
     std::vector<std::string> offsets;  ///< scenes whose respawned rays are measured
-    std::vector<std::string> mends;    ///< SCENE:FORM:BITS: what to change in a form
+    std::vector<std::string> mends;    ///< SCENE:FORM:BITS: the forms to repair
 };
 
-/// InputError with a position for anything that is not such a file.
+/// Reads the file. Throws InputError with a position for anything that is not such a file.
 ReportFile read_report_file(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::claim

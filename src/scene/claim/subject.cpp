@@ -23,18 +23,19 @@ void read_row(TableReader& table, Claim& claim) {
     claim.format = table.string("format");
 }
 
-/// The keys of a place, which are known wherever a subject is not timed or mended: they say themselves what they need.
+/// Marks the keys of a position as known for every subject that is not timed or mended. Their own readers check what
+/// they need.
 void expect_place(TableReader& table) {
     for (const char* key : {"at", "case", "exhaustive", "step", "pixel", "convention"})
         static_cast<void>(table.has(key));
 }
 
-/// `bits`, `wrong` and `at`.
+/// Reads `bits`, `wrong` and `at`.
 WishedBits read_wish(TableReader& table, const char* usually_at) {
     WishedBits wish{static_cast<double>(table.number("bits")),
                     static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
-    if (!(wish.bits >= 0 && wish.bits <= 53)) table.fail_at("bits", "must lie in 0 to 53");
-    if (!(wish.wrong >= 0 && wish.wrong <= 1)) table.fail_at("wrong", "is a share of the rays, 0 to 1");
+    if (!(wish.bits >= 0 && wish.bits <= 53)) table.fail_at("bits", "must lie between 0 and 53");
+    if (!(wish.wrong >= 0 && wish.wrong <= 1)) table.fail_at("wrong", "is a share of the rays; write 0 to 1");
     wish.at = table.optional_string("at").value_or(usually_at);
     return wish;
 }
@@ -60,21 +61,22 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
     return timing;
 }
 
-/// A wish on a scene, or a time over another's there.
+/// Reads a requirement on a scene, or a time relative to another one there.
 Subject read_choice(TableReader& table, Claim& claim, std::string name) {
     ChoiceSubject choice{.name = std::move(name)};
     read_row(table, claim);
     if (auto over = table.optional_table("over")) {
         for (const char* key : {"bits", "wrong", "at", "formats"})
-            table.reject(key, "belongs to a wish, and `over` compares two times; write one of the two");
+            table.reject(key, "belongs to a requirement, but `over` compares two times; write one of the two");
         choice.against = ChoiceSubject::Over{over->optional_string("form").value_or(claim.form),
                                              over->optional_string("format").value_or(claim.format)};
         over->reject_unknown_keys();
     } else {
         if (!table.has("bits"))
-            toml::fail(table.where(),
-                       "claim.given needs a wish, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
-                       "time is 1");
+            toml::fail(
+                table.where(),
+                "claim.given needs a requirement, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
+                "time is 1");
         const WishedBits wish = read_wish(table, "p99");
         choice.against = ChoiceSubject::Others{
             wish, table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"})};
@@ -87,7 +89,7 @@ Subject read_mend(TableReader& table, Claim& claim, std::string name) {
     if (table.has("size")) {
         const auto size = table.numbers("size", 2);
         const auto side = [&](const Real& x) {
-            if (!(x >= 1 && x <= 4096)) table.fail_at("size", "must lie in 1 to 4096, as [width, height]");
+            if (!(x >= 1 && x <= 4096)) table.fail_at("size", "must be [width, height], each from 1 to 4096");
             return static_cast<int>(x);
         };
         mend.size = {side(size[0]), side(size[1])};
@@ -104,20 +106,21 @@ std::optional<int> read_step(TableReader& table) {
 Subject read_scene(TableReader& table, Claim& claim, std::string name) {
     read_row(table, claim);
     expect_place(table);
-    table.reject("at", "needs a sweep or a table: it is a place on their axes");
+    table.reject("at", "needs a sweep or a table: it is a position on their axes");
     SceneSubject on{std::move(name), read_step(table)};
-    if (on.step) table.reject("pixel", "stands beside step, which is of pixel (0, 0); leave one of the two out");
+    if (on.step)
+        table.reject("pixel", "is given together with step, which is at pixel (0, 0); leave one of the two out");
     constexpr long long last = 65535;
     if (const auto pixel = table.optional_integers("pixel", 2, 0, last))
         on.pixel = {static_cast<int>((*pixel)[0]), static_cast<int>((*pixel)[1])};
     return on;
 }
 
-/// `exhaustive` and what goes with it. `may`: about a sweep of which nothing else is named.
+/// Reads `exhaustive` and its keys. `may`: the claim is about a sweep of which nothing else is named.
 std::optional<SweepSubject::EveryFloat> read_every_float(TableReader& table, bool may) {
     if (!table.optional_boolean("exhaustive").value_or(false)) {
         for (const char* key : {"ray", "from", "to"})
-            table.reject(key, "goes with `exhaustive = true`: it is of a sweep over every float");
+            table.reject(key, "needs `exhaustive = true`, for a sweep over every float");
         return std::nullopt;
     }
     if (!may) table.fail_at("exhaustive", "needs a sweep over every float, and neither `at` nor `case`");
@@ -180,11 +183,11 @@ Subject read_search(TableReader& table, Claim& claim, std::string name) {
     return SearchSubject{std::move(name)};
 }
 
-/// A kind of subject, which is named by its key.
+/// A kind of subject, named by its key.
 struct Kind {
     std::string_view key;
     Subject (*read)(TableReader& table, Claim& claim, std::string name);
-    std::string_view no_place = {};  ///< why `at`, `case` and `convention` have no meaning there
+    std::string_view no_place = {};  ///< says why `at`, `case` and `convention` have no meaning there
 };
 
 constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, mend{"mend", read_mend};
@@ -195,22 +198,22 @@ constexpr Kind measured[] = {
     {"render", read_render, "has no meaning for a rendered scene; leave it out"},
     {"offsets", read_offsets, "has no meaning for offsets of a scene; leave it out"},
     {"consistency", read_consistency, "has no meaning for the consistency of a scene; leave it out"},
-    {"search", read_search, "has no meaning for a search, which draws its rays by itself; leave it out"}};
+    {"search", read_search, "has no meaning for a search, which draws its own rays; leave it out"}};
 
-/// A key of one kind, and what to say where it stands beside another.
+/// A key of one kind, and the message if it is given for another kind.
 struct OwnKey {
     std::string_view key, kind, why;
 };
-constexpr std::string_view of_offsets = "goes with offsets = \"...\", a scene whose respawned rays the claim is about";
+constexpr std::string_view of_offsets = "needs offsets = \"...\", a scene whose respawned rays the claim is about";
 constexpr OwnKey own_keys[] = {
     {"size", "", "is the scene's own; write it there, or name a variant of the scene that has that size"},
     {"strategy", "offsets", of_offsets},
     {"side", "offsets", of_offsets},
     {"points", "offsets", of_offsets},
-    {"check", "consistency", "goes with consistency = \"...\", a scene whose questions are put in two ways"},
+    {"check", "consistency", "needs consistency = \"...\", a scene whose questions are asked in two ways"},
     {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""}};
 
-/// What is neither timed nor mended: a form is asked about the rays of one thing.
+/// Reads a subject that is neither timed nor mended: a form and the rays of one thing.
 Subject read_measured(TableReader& table, Claim& claim) {
     for (const Kind& other : {timing, choice})
         table.reject(other.key, "needs `profile = \"timing\"` at the head of the file");
@@ -222,8 +225,8 @@ Subject read_measured(TableReader& table, Claim& claim) {
     if (given.size() != 1)
         toml::fail(
             table.where(),
-            "claim.given names a scene, a sweep, a search, a table, a scene to render or one of which offsets or "
-            "consistency are measured; write one of them");
+            "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
+            "consistency; write one of them");
     auto& [kind, name] = given.front();
     if (!kind->no_place.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_place);

@@ -1,4 +1,4 @@
-// What a claim is measured on: a struct for each kind, and its keys in a file.
+// The subject of a claim: a struct for each kind, and its keys in a file.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace lostbits::scene::claim {
 
-/// The picture of a scene, one of its pixels alone, or one sample of a march along its pixel (0, 0).
+/// The picture of a scene, one of its pixels, or one sample of a march along its pixel (0, 0).
 struct SceneSubject {
     std::string name;
     std::optional<int> step = {};
@@ -20,16 +20,16 @@ struct SceneSubject {
 };
 
 struct SweepSubject {
-    struct Along {};  ///< all of it, for an onset
+    struct Along {};  ///< the whole sweep, for an onset
     struct At {
-        std::vector<double> values;  ///< one an axis
+        std::vector<double> values;  ///< one per axis
     };
     struct Case {
         std::string name;
     };
     /// Every float of a range: the sweep's own, or from `from` to `to`.
     struct EveryFloat {
-        std::string ray;               ///< empty: its only one
+        std::string ray;               ///< empty: the only ray
         std::optional<Real> from, to;  ///< both or neither
     };
 
@@ -45,71 +45,72 @@ struct SweepSubject {
 /// The picture that `lostbits render` makes of a scene.
 struct RenderSubject {
     std::string name;
-    std::optional<file::Stage> stage = {};  ///< absent: the last that the scene asks for
+    std::optional<file::Stage> stage = {};  ///< absent: the last stage that the scene asks for
 };
 
-/// The respawned rays of a scene, as of `lostbits offsets`: by which strategy, to which side, from which points.
+/// The respawned rays of a scene, as in `lostbits offsets`: the strategy, the side and the points.
 struct OffsetsSubject {
     std::string name, strategy = {}, side = {}, points = {};
 };
 
-/// The questions about a scene that `lostbits consistency` puts in two ways.
+/// The questions about a scene that `lostbits consistency` asks in two ways.
 struct ConsistencySubject {
     std::string name, check;
 };
 
-/// The worst ray that a sweep file with a `[search]` finds.
+/// The worst ray found by a sweep file with a `[search]` table.
 struct SearchSubject {
     std::string name;
 };
 
-/// What a form and format are wanted to keep on a scene.
+/// The requirement on a form and format on a scene.
 struct WishedBits {
     double bits = 0, wrong = 0;
-    std::string at;  ///< `p99`, `max`: of how many hits the bits are wanted
+    std::string at;  ///< `p99`, `max`: the share of hits that must keep the bits
 };
 
-/// What `lostbits mend` makes of a form.
+/// The repair of a form, as by `lostbits mend`.
 struct MendSubject {
-    std::string name;  ///< of the scene
+    std::string name;  ///< name of the scene
     WishedBits wish;
-    std::optional<std::pair<int, int>> size = {};  ///< of the picture; absent: the scene's
+    std::optional<std::pair<int, int>> size = {};  ///< size of the picture; absent: the scene's
 };
 
-/// A row of a table, which stands in the place of a form.
+/// A row of a table, in place of a form.
 struct TableSubject {
     std::string name, row = {};
-    double at = 0;  ///< its argument
+    double at = 0;  ///< the argument
 };
 
-/// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
+/// A ratio of speeds: of a kernel and another (`over_form` in `over_kernel`), or of all processors and one.
 struct TimingSubject {
     std::string name, data = {};  ///< see measure/speed/timing_work.hpp
     std::string kernel = {}, over_form = {}, over_kernel = {};
     bool all_processors = false;
 };
 
-/// A form and format among others on the rays of a scene: by a wish, which it meets or not, or by its time over
-/// another's.
+/// A form and format among others on the rays of a scene. It is judged by a requirement, which it meets or not, or by
+/// its time relative to another.
 struct ChoiceSubject {
     struct Others {
         WishedBits wish;
-        std::vector<std::string> formats;  ///< of the other candidates
+        std::vector<std::string> formats;  ///< formats of the other candidates
     };
     struct Over {
         std::string form, format;
     };
 
-    std::string name;  ///< of the scene
+    std::string name;  ///< name of the scene
     std::variant<Others, Over> against = {};
 };
 
-/// In the order in which they are measured.
+/// The kinds of subjects, in the order in which they are measured.
 using Subject = std::variant<SceneSubject, SweepSubject, RenderSubject, OffsetsSubject, ConsistencySubject,
                              SearchSubject, MendSubject, TableSubject, TimingSubject, ChoiceSubject>;
 
 struct Claim;
-/// `[claim.given]` of a claim whose profile is known: its subject, form and format. InputError with a position.
+/// Reads `[claim.given]` of a claim whose profile is known: its subject, form and format. Throws InputError with a
+/// position.
 void read_given(toml::TableReader table, Claim& claim);
 
 }  // namespace lostbits::scene::claim

@@ -12,7 +12,7 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-/// The format of the answers if they are floating, else of the widest of the numbers that mean something.
+/// The format of the answers if they are floats, else that of the widest number that has a meaning.
 Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns) {
     std::optional<Format> widest;
     for (std::size_t s = 0; s < slot::count; ++s) {
@@ -35,7 +35,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     settle(options, *layout_, own_format(*layout_, lie_.columns));
     records_ = lie_.records;
     if (!source_.size()) return;
-    // What the size of the file gives away is said before the work.
+    // Faults that the size of the file shows are reported before the work.
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), lie_.begin);
     const std::uint64_t whole = bytes / lie_.record_size;
     if (records_ ? whole < *records_ : bytes % lie_.record_size != 0)
@@ -53,12 +53,12 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
     if (lie_.apart)
         throw InputError(fmt::format(
-            "{}: has {} of numbers where its header names {} of {} bytes each; it "
-            "was cut short, write it again",
+            "{}: has {} of numbers, but its header names {} of {} bytes each; it "
+            "was cut short, so write it again",
             source_.name(), toml::counted(bytes, "byte"), toml::counted(*lie_.records, "record"), lie_.record_size));
     throw InputError(
-        fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are not "
-                    "these: look at their names and types",
+        fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
+                    "different: check their names and types",
                     source_.name(), record + 1, bytes, lie_.record_size,
                     lie_.records ? ", and the header names " + toml::counted(*lie_.records, "record") : ""));
 }
@@ -103,7 +103,7 @@ bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size
 }
 
 void BinaryDump::refuse_reversed(const Records& records) const {
-    // What a t may be is the file's own affair: a number that means a miss is of any size.
+    // t may have any value: the number that means a miss may be of any size.
     std::vector<std::size_t> floats, whole;
     for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
         const auto means = layout_->columns()[c].slot;
@@ -112,7 +112,7 @@ void BinaryDump::refuse_reversed(const Records& records) const {
         if (type.kind == ItemType::Kind::floating) floats.push_back(c);
         else if (*means == slot::hit) whole.push_back(c);
     }
-    // Of nonzero floating numbers. Lengths of scenes lie in this range; of random bits a sixth or less do.
+    // Tests nonzero floats. Lengths of scenes are in this range; of random bits, a sixth or less are.
     std::string strange;
     const bool floats_are = is_reversed(
         records, floats, [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; }, strange);
@@ -132,8 +132,8 @@ void BinaryDump::refuse_reversed(const Records& records) const {
         before = name;
     }
     throw InputError(
-        fmt::format("{}: {}, and nearly all numbers are as strange; with their bytes in the other order they are of "
-                    "usual size, so the {} significant byte comes first; write --columns {}",
+        fmt::format("{}: {}, and nearly all numbers are as unusual; in the other byte order they have "
+                    "usual sizes, so the {} significant byte comes first; write --columns {}",
                     source_.name(), strange, big_endian ? "most" : "least", words));
 }
 
@@ -206,14 +206,14 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
                                              known_item_types));
         }
         if (name.empty())
-            throw InputError(
-                fmt::format("--columns: a name is missing in front of \"{}\"; write ox:f32,oy,oz,…, and _ for "
-                            "what is to be passed over",
-                            text.substr(begin)));
+            throw InputError(fmt::format(
+                "--columns: a name is missing in front of \"{}\"; write ox:f32,oy,oz,…, and _ for each column to "
+                "skip",
+                text.substr(begin)));
         if (!type)
             throw InputError(
-                fmt::format("--columns: {} has no type; write {}:f32, and every column behind it that has "
-                            "none is of that type too",
+                fmt::format("--columns: {} has no type; write {}:f32, and all later columns without a type have "
+                            "that type too",
                             name, name));
         columns.push_back({name, *type, offset});
         offset += type->size;
@@ -227,7 +227,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
 Lie read_raw(toml::ByteSource& source, const DumpOptions& options) {
     if (options.columns.empty())
         throw InputError(source.name() +
-                         ": raw numbers say nothing of themselves; name them and their types with "
+                         ": raw numbers have no header; name them and their types with "
                          "--columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32");
     Lie raw{.columns = read_columns(options.columns), .begin = options.skip, .blamed = "--columns"};
     for (const BinaryColumn& c : raw.columns) raw.record_size += c.type.size;
@@ -237,7 +237,7 @@ Lie read_raw(toml::ByteSource& source, const DumpOptions& options) {
     std::string passed;
     for (std::uint64_t left = options.skip; left > 0; passed.clear()) {
         const std::size_t got = source.read(passed, static_cast<std::size_t>(std::min<std::uint64_t>(left, 1U << 20)));
-        if (got == 0) throw InputError(source.name() + ": ends before --skip is passed over");
+        if (got == 0) throw InputError(source.name() + ": ends before the bytes of --skip do");
         left -= got;
     }
     return raw;

@@ -1,4 +1,4 @@
-// What raw numbers and arrays have in common: columns of fixed size, record after record or column after column.
+// The common part of raw numbers and arrays: columns of fixed size, record after record or column after column.
 #pragma once
 
 #include <functional>
@@ -10,32 +10,32 @@
 
 namespace lostbits::scene::dump {
 
-/// A column as it lies in a file of numbers.
+/// A column of a binary file.
 struct BinaryColumn {
     std::string name;
     ItemType type;
-    std::uint64_t offset = 0;  ///< in a record; of columns that lie apart, in the file behind its header
+    std::uint64_t offset = 0;  ///< in a record; if columns are apart, in the file after its header
 };
 
-/// How numbers lie in a file, as its header tells.
+/// The layout of the numbers in a file, as its header gives it.
 struct Lie {
     std::vector<BinaryColumn> columns;
-    std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source stands there
+    std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
     std::uint64_t record_size = 0;              ///< in bytes
-    std::optional<std::uint64_t> records = {};  ///< as the header has it; nothing: as many as there are
+    std::optional<std::uint64_t> records = {};  ///< from the header; nothing: as many as there are
     bool apart = false;                         ///< column after column; `records` is known then
     std::optional<std::pair<int, int>> picture = {};
-    std::string blamed = {};  ///< who is wrong where the columns are none of rays
+    std::string blamed = {};  ///< what errors name if the columns are not those of rays
 };
 using ReadLie = Lie (*)(toml::ByteSource& source, const DumpOptions& options);
 
-/// Without a header: `--columns` says what they are, `ox:f32,oy,oz,…`; a column without a type has that of the one
-/// before it.
+/// Reads the layout of a file without a header. `--columns` gives the columns, `ox:f32,oy,oz,…`. A column without a
+/// type has the type of the column before it.
 Lie read_raw(toml::ByteSource& source, const DumpOptions& options);
 
-/// An array of numpy, plain or of records with named fields, versions 1 to 3. The last axis of a plain array is the
-/// columns, which `--columns` names; the axes before it, or all axes of an array of records, are rays, and two of them
-/// are a picture of so many rows and columns.
+/// Reads the header of a numpy array, plain or of records with named fields, versions 1 to 3. The last axis of a plain
+/// array is the columns, which `--columns` names. The axes before it, or all axes of an array of records, are rays;
+/// two of them are a picture with that many rows and columns.
 Lie read_npy(toml::ByteSource& source, const DumpOptions& options);
 
 class BinaryDump final : public Dump {
@@ -49,11 +49,11 @@ public:
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 private:
-    /// Whether nearly all numbers of some columns are usual with their bytes in the other order, and not so; `strange`:
-    /// where the first of them is.
+    /// True if nearly all numbers of some columns have usual values only with their bytes in the other order.
+    /// `strange` is set to the position of the first unusual number.
     [[nodiscard]] bool is_reversed(const Records& records, const std::vector<std::size_t>& columns,
                                    const std::function<bool(double)>& is_usual, std::string& strange) const;
-    /// InputError where the numbers of these records, raw ones, have their bytes in the other order.
+    /// Throws InputError if these records, which are raw numbers, have their bytes in the other order.
     void refuse_reversed(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 

@@ -33,10 +33,10 @@ void ChunkWriter::fail(const std::string& place, const std::string& why) { throw
 namespace {
 
 std::string beyond_the_last(std::size_t primitives) {
-    if (primitives == 1) return "there is one primitive, number 0; write that, and -1 or nothing where it was not hit";
+    if (primitives == 1) return "there is one primitive, number 0; write 0, or -1 or nothing if it was not hit";
     return fmt::format(
-        "there are {} primitives, numbered from 0 to {} in the order of the scene; write which was hit, and -1 or "
-        "nothing where none was",
+        "there are {} primitives, numbered from 0 to {} in the order of the scene; write the number of the one that "
+        "was hit, or -1 or nothing if none was",
         primitives, primitives - 1);
 }
 
@@ -62,7 +62,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         return bad(slot::tmin,
                    "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
     if (const Range<double> range = this->range(); !range.holds_any()) {
-        // A range with open ends is empty where its ends are the same.
+        // With open ends, a range is empty if its ends are equal.
         const std::size_t s = is_there(slot::tmax) ? slot::tmax : slot::tmin;
         return bad(s, fmt::format("the range of this ray begins at tmin = {} and ends at tmax = {}, and no t lies "
                                   "between; write a tmax above tmin, or leave this ray out",
@@ -71,7 +71,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
-            if (!layout_.has(s)) continue;  // and is 0: else the layout had been refused
+            if (!layout_.has(s)) continue;  // the column is optional, and the number 0
             if (!is_there(s) || !std::isfinite(x[s]))
                 return bad(s,
                            fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
@@ -98,15 +98,16 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
     if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
-        return bad(slot::object, "write which primitive was hit, counted from 0, and -1 or nothing where none was");
+        return bad(slot::object,
+                   "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
     if (is_there(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
         return bad(slot::object, beyond_the_last(*terms_.primitives));
     if (!decides_) return std::nullopt;
     if (const auto fault = find_fault_of_answer()) return fault;
-    const bool is_told = layout_.has(slot::object) && !shape_;  // else the solid is the record's own
+    const bool is_told = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
     if (hits_ && is_told && !(is_there(slot::object) && object >= 0))
         return bad(slot::object,
-                   fmt::format("the ray is a hit by its {}: write which primitive it hit, counted from 0, "
+                   fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
                                "or say that it misses",
                                called(layout_.has(slot::hit) ? slot::hit : slot::t)));
     return std::nullopt;
@@ -122,7 +123,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         }
         hits_ = hit == 1;
         if (hits_ && layout_.has(slot::t) && !is_there(slot::t))
-            return Fault{slot::t, fmt::format("{} is empty where {} is 1; write the t of the hit, nan if it is not a "
+            return Fault{slot::t, fmt::format("{} is empty, but {} is 1; write the t of the hit, nan if it is not a "
                                               "number, or 0 as {}",
                                               called(slot::t), called(slot::hit), called(slot::hit))};
         return {};
@@ -136,9 +137,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         case MissRule::Kind::ask: break;
     }
     if (!(t < 0)) return {};
-    return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
-                                      "--miss {} where this number means a miss, --miss negative where every negative "
-                                      "one does, --miss never where it is an answer",
+    return Fault{slot::t, fmt::format("{} is {}, and no column says if that is a hit; add a column hit, or write "
+                                      "--miss {} if this number means a miss, --miss negative if every negative "
+                                      "one does, --miss never if it is an answer",
                                       called(slot::t), t, t)};
 }
 

@@ -19,12 +19,12 @@ std::string_view without_blanks(std::string_view text) {
     return text;
 }
 
-/// The cells of one line, without quoting; `hold` keeps the text of those that had doubled quotes.
+/// Reads the cells of one line, without quotes. It stores the text of cells with doubled quotes.
 class Cells {
 public:
     explicit Cells(std::string_view line) : rest_(line), line_(line.data()) {}
 
-    /// The next cell; false behind the last. `fault` says what is wrong with its quotes.
+    /// Reads the next cell. Returns false after the last. `fault` is the error in its quotes, if any.
     bool next(std::string_view& cell, const char*& fault) {
         if (ended_) return false;
         begin_ = static_cast<std::size_t>(rest_.data() - line_);
@@ -33,12 +33,11 @@ public:
         if (blanks < rest_.size() && rest_[blanks] == '"') return next_quoted(blanks, cell, fault);
         const std::size_t comma = std::min(rest_.find(','), rest_.size());
         cell = rest_.substr(0, comma);
-        if (cell.find('"') != std::string_view::npos)
-            fault = "a quote stands inside a cell that does not begin with one";
+        if (cell.find('"') != std::string_view::npos) fault = "a quote is inside a cell that does not begin with one";
         pass(comma);
         return true;
     }
-    /// Of the last cell in the line, from 0.
+    /// Position of the last cell in the line, from 0.
     [[nodiscard]] std::size_t begin() const { return begin_; }
 
 private:
@@ -47,7 +46,7 @@ private:
         std::size_t at = blanks + 1;
         for (;; ++at) {
             if (at >= rest_.size()) {
-                fault = "a quote opens a cell and never closes";
+                fault = "a quote opens a cell and does not close it";
                 break;
             }
             if (rest_[at] != '"') text_ += rest_[at];
@@ -75,7 +74,7 @@ private:
 
 bool is_blank(std::string_view line) { return line.find_first_not_of(" \t") == std::string_view::npos; }
 
-/// A line of the text without its break.
+/// Returns a line of the text without its break.
 std::string_view line_in(std::string_view text) {
     if (text.ends_with('\n')) text.remove_suffix(1);
     if (text.ends_with('\r')) text.remove_suffix(1);
@@ -96,7 +95,7 @@ std::string CsvDump::place(std::uint64_t line, std::size_t column) const {
 }
 
 std::size_t CsvDump::find_end(std::size_t begin) {
-    std::size_t looked = begin;  // up to here the quotes are counted
+    std::size_t looked = begin;  // the quotes are counted up to here
     bool inside = false;
     for (;;) {
         const auto* const found =
@@ -156,7 +155,7 @@ void CsvDump::read_header(const DumpOptions& options) {
     const std::string first = names.front();
     if (!first.empty() && first.find_first_not_of("0123456789+-.eEnaif") == std::string::npos)
         throw InputError(place(header, 0) + ": \"" + first +
-                         "\" is a number where the names of the columns are expected; name them with --columns "
+                         "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
     layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
         throw InputError(place(header, begins[c]) + ": " + why);
@@ -176,7 +175,7 @@ bool CsvDump::next(std::size_t most, Records& records) {
         if (after == 0) break;
         const std::string_view line(buffer_.data() + end, after - end);
         if (!is_blank(line_in(line))) ++records.count;
-        // The lines of a cell in quotes as well.
+        // Also counts the lines of a cell in quotes.
         line_ += 1;
         if (line.find('"') != std::string_view::npos)
             line_ += static_cast<std::uint64_t>(std::ranges::count(line_in(line), '\n'));
@@ -250,8 +249,8 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWrit
     }
     if (c != columns.size())
         throw InputError(
-            fmt::format("{}: has {} where there are {} columns; every record has one for each, empty "
-                        "where it has nothing to say{}",
+            fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
+                        "if it has no value{}",
                         place(number, 0), toml::counted(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
     writer.end_record([&](std::size_t s) { return place(number, begins[s]); });

@@ -1,4 +1,4 @@
-// Rays as CSV: a header, then a record a line; RFC 4180 as other programs write it too.
+// Rays as CSV: a header, then one record on each line. It reads RFC 4180 and its variants from other programs.
 #pragma once
 
 #include "scene/dump/dump.hpp"
@@ -7,7 +7,7 @@
 
 namespace lostbits::scene::dump {
 
-/// Commas, LF or CRLF, cells with or without quotes, spaces around numbers, blank lines between records.
+/// Accepts commas, LF or CRLF, cells with or without quotes, spaces around numbers, and blank lines between records.
 class CsvDump final : public Dump {
 public:
     CsvDump(const std::filesystem::path& path, const DumpOptions& options);
@@ -18,12 +18,12 @@ public:
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 private:
-    /// The end of the record that begins at `begin` of the buffer, behind its line break; reads on where it must.
-    /// 0 where the file has ended.
+    /// Returns the end of the record that begins at `begin` of the buffer, after its line break. Reads on if
+    /// necessary. Returns 0 at the end of the file.
     std::size_t find_end(std::size_t begin);
     void read_header(const DumpOptions& options);
     void decode_line(std::string_view line, std::uint64_t number, ChunkWriter& writer, Chunk& chunk) const;
-    /// Why a word is no number for a slot; empty where it is one.
+    /// Returns why a word is not a number for a slot; empty if it is one.
     [[nodiscard]] std::string put(std::string_view word, std::size_t slot, ChunkWriter& writer) const;
     [[nodiscard]] std::string place(std::uint64_t line, std::size_t column) const;
 
@@ -31,7 +31,7 @@ private:
     std::optional<Layout> layout_;
     std::optional<NumberWords> words_;
     std::string buffer_;
-    std::size_t used_ = 0;  ///< bytes of the buffer that were given away
+    std::size_t used_ = 0;  ///< number of bytes of the buffer that were returned
     bool ended_ = false;    ///< the buffer holds the last bytes of the file
     std::uint64_t line_ = 1, record_ = 0;
 };

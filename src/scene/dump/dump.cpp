@@ -32,22 +32,22 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
     const std::string& file = name_;
     if (layout.solid() && options.solid)
         throw InputError(file +
-                         ": its columns have a solid for each ray, and the command line has one for all; leave "
+                         ": its columns have a primitive for each ray, but the command line gives one for all; leave "
                          "one of the two out");
     if (!layout.solid() && !options.solid) {
         std::string named;
         for (const ShapeRow& row : shape_rows) named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
-        throw InputError(file + ": no column has a solid; add " + columns_of_solids() +
+        throw InputError(file + ": no column has a primitive; add " + columns_of_solids() +
                          ", or name one for all rays with " + named + "or --scene SCENE");
     }
     if (!options.miss) return;
     if (layout.has(slot::hit) || !layout.has(slot::t))
         throw InputError(file +
                          (layout.has(slot::hit)
-                              ? ": --miss says which t is a miss, and the column hit says so already; leave --miss out"
-                              : ": --miss says which t is a miss, and there is no column t; leave --miss out"));
+                              ? ": --miss says which t is a miss, but the column hit already says so; leave --miss out"
+                              : ": --miss says which t is a miss, but there is no column t; leave --miss out"));
     terms_.miss = *options.miss;
-    // The sentinel as the file's numbers are read: the same rounding.
+    // The number that means a miss is rounded in the same way as the numbers of the file.
     terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.parameters);
 }
 
@@ -64,7 +64,7 @@ std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOpt
                              "given: --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32; or say --container csv");
     }
     if (options.skip > 0 && container != Container::raw)
-        throw InputError(path.string() + ": --skip passes over bytes in front of raw numbers; leave it out");
+        throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave it out");
     switch (container) {
         case Container::csv: return std::make_unique<CsvDump>(path, options);
         case Container::npy: return std::make_unique<BinaryDump>(path, options, read_npy);
@@ -80,7 +80,7 @@ std::string names_of(const std::vector<std::unique_ptr<Dump>>& files) {
     return names;
 }
 
-/// Whether a solid, an answer and a format are there in both alike.
+/// True if both files have primitives, answers and a format alike.
 bool are_alike(const Dump& a, const Dump& b) {
     return a.layout().solid() == b.layout().solid() && a.layout().has_matrix() == b.layout().has_matrix() &&
            a.layout().has_answers() == b.layout().has_answers() &&
@@ -93,10 +93,10 @@ public:
         : Dump(names_of(files), {.format = files.front()->format()}), files_(std::move(files)), first_(files_.size()) {
         for (const auto& file : files_) {
             if (!are_alike(*files_.front(), *file))
-                throw InputError(file->name() + ": its columns or its format are not those of " +
-                                 files_.front()->name() +
-                                 "; files that are taken together all have solids or none, answers or none, and one "
-                                 "format; try each by itself");
+                throw InputError(
+                    file->name() + ": its columns or its format differ from those of " + files_.front()->name() +
+                    "; files that are read together all have primitives or none, answers or none, and the same "
+                    "format; try each alone");
         }
     }
 
@@ -118,8 +118,7 @@ public:
                 return true;
             }
             if (count_ == first_[file_])
-                throw InputError(files_[file_]->name() +
-                                 ": has no rays; write a record for each behind what stands in front");
+                throw InputError(files_[file_]->name() + ": has no rays; write a record for each after the header");
             if (file_ + 1 < files_.size()) first_[file_ + 1] = count_;
         }
         return false;
@@ -139,7 +138,7 @@ public:
 
 private:
     std::vector<std::unique_ptr<Dump>> files_;
-    std::vector<std::uint64_t> first_;  ///< of each file: the rays before it; written before any of its records is read
+    std::vector<std::uint64_t> first_;  ///< rays before each file; set before its records are read
     std::size_t file_ = 0;
     std::uint64_t count_ = 0;
 };

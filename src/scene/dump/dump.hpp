@@ -1,4 +1,4 @@
-// A file of rays, solids and answers, whatever it is kept in: read in pieces, so that memory does not grow with it.
+// A file of rays, primitives and answers in any container, read in pieces, so that memory does not grow with the file.
 #pragma once
 
 #include <cstdint>
@@ -14,67 +14,68 @@
 
 namespace lostbits::scene::dump {
 
-/// What a file of rays is kept in: by its ending, `.csv` or `.npy`, anything else being raw numbers.
+/// The container of a file of rays. `by_name` uses the ending: `.csv`, `.npy`, or raw numbers for any other.
 enum class Container { by_name, csv, npy, raw };
 
-/// What the command line says of a file.
+/// The command line's options for a file.
 struct DumpOptions {
     Container container = Container::by_name;
-    /// Names, and for raw numbers types: `ox:f32,oy,oz`, a column without a type having that of the one before it. Of
-    /// a CSV: it has no header, and these are its columns. Of an array: the names of its last axis.
+    /// Names of the columns, and types for raw numbers: `ox:f32,oy,oz`. A column without a type has that of the one
+    /// before it. For a CSV: it has no header, and these are its columns. For an array: the names of its last axis.
     std::string columns = {};
     std::uint64_t skip = 0;                       ///< bytes in front of raw numbers
-    std::optional<Format> format = std::nullopt;  ///< of the answers; the file's own where absent
+    std::optional<Format> format = std::nullopt;  ///< of the answers; absent: the file's own
     std::optional<MissRule> miss = std::nullopt;
-    std::optional<Shape> solid = std::nullopt;  ///< of the solids that are given once
-    OpenEnds open = {};                         ///< of the ranges of all rays
-    intersect::process::StopToken stop = {};    ///< asked before each piece is read
-    bool keep = false;                          ///< the user's own columns are wanted
+    std::optional<Shape> solid = std::nullopt;  ///< of the primitives that are given once
+    OpenEnds open = {};                         ///< for the ranges of all rays
+    intersect::process::StopToken stop = {};    ///< checked before each piece is read
+    bool keep = false;                          ///< keep the user's own columns
 };
 
-/// Consecutive records as the file has them.
+/// Consecutive records as they are in the file.
 struct Records {
-    std::uint64_t first = 0;  ///< the place of the first, from 0
+    std::uint64_t first = 0;  ///< position of the first record, from 0
     std::size_t count = 0;
-    std::uint64_t line = 0;  ///< of text: the line of the first, from 1
-    std::size_t file = 0;    ///< of several that are read as one
+    std::uint64_t line = 0;  ///< for text: the line of the first record, from 1
+    std::size_t file = 0;    ///< index of the file, if several are read as one
     std::string bytes;
 };
 
-/// A number of a file as a format has it: rounded once. What is not finite stays.
+/// Rounds a number of a file once to a format. Infinities and NaN stay as they are.
 double number_in(double x, const Format& format);
 
-/// One file. Everything it throws is an InputError that names the file and the place, or an EnvironmentError.
+/// One file. It throws only InputErrors that name the file and the position, and EnvironmentErrors.
 class Dump {
 public:
     virtual ~Dump() = default;
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] virtual const Layout& layout() const = 0;
-    /// Of the answers: every number is rounded once to it.
+    /// The format of the answers; every number is rounded once to it.
     [[nodiscard]] const Format& format() const { return terms_.format; }
-    /// How many records the file has, where it says so before it is read.
+    /// Number of records, if the file states it before it is read.
     [[nodiscard]] virtual std::optional<std::uint64_t> size() const { return {}; }
-    /// Columns and rows of the picture whose pixels the records are, where the file is shaped like one.
+    /// Columns and rows of the picture whose pixels the records are, if the file has that shape.
     [[nodiscard]] virtual std::optional<std::pair<int, int>> picture() const { return {}; }
-    /// Of the whole file; 0 where nobody knows.
+    /// Size of the whole file; 0 if unknown.
     [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 
-    /// The next records, so many or up to the last; false where there are none left. One thread at a time.
+    /// Reads the next records, at most `most`. Returns false if none are left. For one thread at a time.
     virtual bool next(std::size_t most, Records& records) = 0;
-    /// The numbers of records. For several threads at once.
+    /// Decodes the numbers of records. Several threads may call it at once.
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
-    /// Puts one solid, whose numbers are of the format, under the matrix of each record, of a file with matrices and no
-    /// solids; before any record is read.
+    /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. Its numbers
+    /// must be of the format. Call it before any record is read.
     virtual void put_under_matrices(const Solid<double>& solid) { terms_.under = solid; }
-    /// Says how many primitives the rays are aimed at, beyond which no record may name one; before any is read.
+    /// Sets the number of primitives at which the rays are aimed. No record may name a larger index. Call it before
+    /// any record is read.
     virtual void number_primitives(std::size_t count) { terms_.primitives = count; }
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
     Dump(std::string name, DumpTerms terms) : name_(std::move(name)), terms_(std::move(terms)) {}
-    /// Ends the reading of the header: `own` is the format of the file's numbers. InputError where options say what
-    /// the file says already, or neither says it.
+    /// Ends the reading of the header. `own` is the format of the file's numbers. Throws InputError if the options
+    /// repeat something that the file says, or if neither says it.
     void settle(const DumpOptions& options, const Layout& layout, const Format& own);
     [[nodiscard]] const DumpTerms& terms() const { return terms_; }
 
@@ -83,11 +84,11 @@ private:
     DumpTerms terms_ = {};
 };
 
-/// Opens a file and reads what stands in front of its records.
+/// Opens a file and reads everything before its records.
 std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options);
 
-/// Several as one, in their order, at least one; the pictures that they may be are forgotten. InputError where not all
-/// have solids, answers and a format alike.
+/// Joins one or more files into one, in their order. Pictures that they may be are lost. Throws InputError if not all
+/// have primitives, answers and a format alike.
 std::unique_ptr<Dump> join_dumps(std::vector<std::unique_ptr<Dump>> files);
 
 }  // namespace lostbits::scene::dump

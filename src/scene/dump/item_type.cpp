@@ -13,7 +13,7 @@ static_assert(std::endian::native == std::endian::little);
 
 namespace {
 
-/// The bytes as an unsigned number.
+/// Returns the bytes as an unsigned number.
 std::uint64_t bits_of(const char* from, std::size_t size, bool big_endian) {
     std::array<char, 8> bytes{};
     for (std::size_t i = 0; i < size; ++i) bytes[i] = from[big_endian ? size - 1 - i : i];

@@ -14,29 +14,29 @@ namespace lostbits::scene::dump {
 struct ItemType {
     enum class Kind : std::uint8_t { floating, signed_integer, unsigned_integer, boolean };
     Kind kind = Kind::floating;
-    std::uint8_t size = 4;  ///< in bytes: 2, 4 or 8 of floating, 1 to 8 of integers, 1 of boolean
+    std::uint8_t size = 4;  ///< in bytes: 2, 4 or 8 for floats, 1 to 8 for integers, 1 for booleans
     bool big_endian = false;
 
     struct Item {
         double value;
-        bool exact;  ///< a double holds it
+        bool exact;  ///< a double holds it exactly
     };
     [[nodiscard]] Item read(const char* from) const;
-    /// The shortest decimal that reads back to it.
+    /// The shortest decimal that reads back to the same number.
     [[nodiscard]] std::string text(const char* from) const;
-    /// `f32`, `f64be`, `bool`: what `find_item_type` finds it by.
+    /// `f32`, `f64be`, `bool`: the name by which `find_item_type` finds it.
     [[nodiscard]] std::string name() const;
-    /// The format of such numbers, of floating ones.
+    /// The format of floats of this type; nothing for other types.
     [[nodiscard]] std::optional<Format> format() const;
     friend bool operator==(const ItemType&, const ItemType&) = default;
 };
 
-/// `f32`, `f64be`, `u8`, `i64le`, `bool`, or as numpy writes it: `<f4`, `>f8`, `|u1`, `|b1`, `?`. Without a word on
-/// the order of bytes the least significant comes first. Nothing for any other word.
+/// Finds a type by `f32`, `f64be`, `u8`, `i64le`, `bool`, or as numpy writes it: `<f4`, `>f8`, `|u1`, `|b1`, `?`. If
+/// the byte order is not given, the least significant byte comes first. Returns nothing for any other word.
 std::optional<ItemType> find_item_type(std::string_view word);
 
-/// What to write in place of an unknown type.
+/// The advice for an unknown type.
 inline constexpr std::string_view known_item_types =
-    "f16, f32, f64, i8 to i64, u8 to u64 or bool, with be behind it where the most significant byte comes first";
+    "f16, f32, f64, i8 to i64, u8 to u64 or bool, followed by be if the most significant byte comes first";
 
 }  // namespace lostbits::scene::dump

@@ -14,7 +14,7 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-/// A name by which files know a number. The first of a slot is how messages call it.
+/// A name by which files may call a number. Messages use the first name of a slot.
 struct KnownName {
     std::string name;
     std::size_t slot;
@@ -35,7 +35,7 @@ std::vector<KnownName> make_known_names() {
     add(slot::object, {"object"});
     for (std::size_t k = 0; k < matrix_columns.size(); ++k)
         all.push_back({std::string(matrix_columns[k]), slot::matrix + k});
-    // As the project's own tables and other people have it.
+    // Names in the project's own tables and in other programs.
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
     for (const ShapeRow& row : shape_rows)
@@ -56,7 +56,7 @@ std::string folded(std::string_view name) {
     return lower;
 }
 
-/// A name that several shapes have is that of this one.
+/// Finds a name. If several shapes have the name, this shape is preferred.
 const KnownName* find_known(std::string_view name, std::optional<Shape> shape) {
     const auto own = [&](const KnownName& k) { return k.name == name && (!k.shape || k.shape == shape); };
     auto found = std::ranges::find_if(known_names(), own);
@@ -64,12 +64,12 @@ const KnownName* find_known(std::string_view name, std::optional<Shape> shape) {
     return found == known_names().end() ? nullptr : &*found;
 }
 
-/// What columns name of a shape.
+/// The numbers of a shape that columns name.
 struct NamedNumbers {
     Shape shape;
     std::set<std::size_t> slots = {};
 
-    /// Whether no number is lacking but those that may be left out.
+    /// True if no required number is missing.
     [[nodiscard]] bool are_whole() const {
         bool whole = true;
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
@@ -78,9 +78,9 @@ struct NamedNumbers {
     }
 };
 
-/// Which shapes a file names, and whose it is: of the shapes that have a column for each number, or of all where there
-/// is no such shape, that most of whose numbers have a column; of several the first. Hits of a file of spheres may have
-/// normals, which discs have too.
+/// The shapes that a file names, and the chosen one. Candidates are the shapes that have a column for each number or,
+/// if there are none, all shapes. The one with the most columns is chosen, and the first of equals. Hits in a file of
+/// spheres may have normals, which discs have too.
 struct NamedShapes {
     std::vector<NamedNumbers> all;  ///< in the order of the list
     std::optional<Shape> chosen;
@@ -94,8 +94,8 @@ struct NamedShapes {
             all, {}, [](const NamedNumbers& n) { return std::pair(n.are_whole(), n.slots.size()); });
         if (!most->slots.empty()) chosen = most->shape;
     }
-    /// Whether a number of another shape is no more than a column of the user's own: the chosen shape lacks nothing,
-    /// and this one does.
+    /// True if a number of another shape is just a column of the user's own: the chosen shape is complete, and the
+    /// other one is not.
     [[nodiscard]] bool are_own(Shape other) const {
         return other != chosen && all[static_cast<std::size_t>(*chosen)].are_whole() &&
                !all[static_cast<std::size_t>(other)].are_whole();
@@ -105,8 +105,8 @@ struct NamedShapes {
 constexpr std::string_view hex_tail = "_hex";
 
 std::string what_to_write() {
-    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, the solid's " + columns_of_solids() +
-           ", perhaps its matrix m00,m01,...,m23, and the answer's hit and t";
+    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_solids() +
+           ", optionally its matrix m00,m01,...,m23, and the answer's hit and t";
 }
 
 }  // namespace
@@ -155,18 +155,19 @@ void Layout::find_slots(const Complain& complain) {
         };
         if (std::ranges::any_of(found, twin)) continue;
         if (known->shape && solid_ && *known->shape != *solid_)
-            complain(c, fmt::format("\"{}\" is a number of {} beside numbers of {}; a file has solids of one "
-                                    "shape; leave one of the two out",
-                                    columns_[c].name, with_article(*known->shape), with_article(*solid_)));
+            complain(c,
+                     fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
+                                 "shape; leave one of the two out",
+                                 columns_[c].name, with_article(*known->shape), with_article(*solid_)));
         if (places_[known->slot])
-            complain(c, fmt::format("\"{}\" says what column \"{}\" says already; rename one of the two",
+            complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two",
                                     columns_[c].name, columns_[*places_[known->slot]].name));
         if (known->shape) solid_ = known->shape;
         places_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
-    // A slip of the fingers: only words of three letters and more, and only for what is missing. The letters of `a_x`
-    // stand in too many words.
+    // A typing error: only for words of three letters and more, and only for columns that are missing. The letters of
+    // `a_x` are in too many words.
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
@@ -176,8 +177,8 @@ void Layout::find_slots(const Complain& complain) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
         if (const auto near = toml::slip_of(columns_[c].name, missing))
-            complain(c, fmt::format("\"{}\" is not a column we know, and \"{}\" is missing; did you mean \"{}\"? A "
-                                    "column of your own is kept under a name that is further off",
+            complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? A "
+                                    "column of your own is kept if its name is less similar",
                                     columns_[c].name, *near, *near));
     }
 }
@@ -192,7 +193,8 @@ void Layout::require_whole(const Complain& complain) const {
         return names;
     };
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
-        // Of a word of two letters every other is one slip away, so the question waits until it is known to be missing.
+        // Every word of two letters is one edit away from many others, so ask only about columns that are known to be
+        // missing.
         for (const LayoutColumn& column : columns_) {
             for (std::size_t s = 0; s < slot::tmax; ++s) {
                 const std::string_view name = name_of_slot(s, {});

@@ -30,7 +30,7 @@ bool is_word(std::string_view text, std::string_view lower) {
     return true;
 }
 
-/// Decimal digits from the first that is not zero to the last, in front of an exponent.
+/// Counts the decimal digits from the first that is not zero to the last, before the exponent.
 int significant_digits(std::string_view text) {
     int digits = 0;
     for (const char c : text) {
@@ -40,8 +40,8 @@ int significant_digits(std::string_view text) {
     return digits;
 }
 
-/// Whether a decimal of few digits is exactly `x`, its nearest double: n / 10^d is m / 2^d, or differs by 10^-d at
-/// least.
+/// True if a decimal of few digits is exactly `x`, its nearest double: n / 10^d is m / 2^d, or differs by at least
+/// 10^-d.
 bool is_exactly(std::string_view text, double x) {
     const std::size_t end = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
     int places = point < end ? static_cast<int>(end - point) - 1 : 0;
@@ -81,7 +81,7 @@ Word NumberWords::read(std::string_view text) const {
         magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
     if (hexadecimal) return read_hexadecimal(text);
     if (text.front() == '+') text.remove_prefix(1);
-    // Correctly rounded, both: what they do not take whole is looked at slowly, and says what is wrong with it.
+    // Both functions round correctly. Text that they do not read completely is read slowly, which finds the fault.
     if (format_.engine == Format::Engine::native32) {
         float narrow = 0;
         if (!read_whole(text, narrow)) return read_slowly(text);
@@ -109,7 +109,7 @@ Word NumberWords::read(std::string_view text) const {
 }
 
 Word NumberWords::read_hexadecimal(std::string_view text) const {
-    // Of at most 53 bits a double is what is written, exactly, but for the smallest.
+    // A text of at most 53 bits is exactly a double, except for the smallest numbers.
     const std::string_view digits = unsigned_part(text).substr(2);
     double exact = 0;
     const auto [end, error] =

@@ -7,7 +7,7 @@
 
 namespace lostbits::scene::dump {
 
-/// Reads decimals, C hexadecimal floats, `nan` and `inf`; what a format makes of them.
+/// Reads decimals, C hexadecimal floats, `nan` and `inf`, and rounds them to a format.
 class NumberWords {
 public:
     explicit NumberWords(const Format& format);
@@ -15,16 +15,16 @@ public:
     enum class Kind { number, not_a_number_word, too_large };
     struct Word {
         Kind kind = Kind::number;
-        double value = 0;  ///< RN_F of what is written, taken exactly; NaN and infinities where they are written
-        /// Whether the format has the number that was meant: it is what is written, exactly, or what is written has no
-        /// more digits than it takes to tell the numbers of the format apart (9 in binary32, 17 in binary64).
+        double value = 0;  ///< RN_F of the exact number in the text; NaN and infinities as written
+        /// True if the format has the number that was meant: the text is exactly a number of the format, or has no
+        /// more digits than needed to distinguish the numbers of the format (9 in binary32, 17 in binary64).
         bool held = true;
-        /// Decimal digits from the first that is not 0, where they are not exactly a number of the format, or are as
-        /// many as it needs; else 0.
+        /// Number of decimal digits from the first that is not 0, if they are not exactly a number of the format, or
+        /// are as many as it needs; else 0.
         int digits = 0;
     };
     [[nodiscard]] Word read(std::string_view text) const;
-    /// So many tell the numbers of the format apart.
+    /// Number of digits that distinguish the numbers of the format.
     [[nodiscard]] int digits() const { return digits_; }
 
 private:
@@ -32,10 +32,10 @@ private:
     [[nodiscard]] Word read_slowly(std::string_view text) const;
 
     Format format_;
-    int digits_;  ///< that tell the numbers of the format apart
+    int digits_;  ///< number of digits that distinguish the numbers of the format
 };
 
-/// Whether a double is what a decimal of a binary32 number reads as: one of nine digits, or the shortest.
+/// True if a double is what a decimal of a binary32 number reads as: one with nine digits, or the shortest.
 bool is_float_in_decimal(double x);
 
 }  // namespace lostbits::scene::dump

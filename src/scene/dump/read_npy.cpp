@@ -11,10 +11,10 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-/// The dictionary in front of an array, as Python writes it.
+/// The dictionary in front of an array, in Python's notation.
 struct NpyHeader {
     struct Field {
-        std::string name;  ///< empty where the array has no fields
+        std::string name;  ///< empty if the array has no fields
         std::string type;
         std::vector<std::uint64_t> shape = {};  ///< of a field that is an array itself
     };
@@ -50,7 +50,7 @@ public:
         if (at_ >= text_.size() || (text_[at_] != '\'' && text_[at_] != '"')) fail("a string is expected");
         const char quote = text_[at_++];
         const std::size_t end = text_.find(quote, at_);
-        if (end == std::string_view::npos) fail("a string never closes");
+        if (end == std::string_view::npos) fail("a string is not closed");
         const std::string found(text_.substr(at_, end - at_));
         at_ = end + 1;
         return found;
@@ -64,7 +64,7 @@ public:
         }
         fail("True or False is expected");
     }
-    /// A number, or numbers in parentheses.
+    /// Reads a number, or numbers in parentheses.
     std::vector<std::uint64_t> shape() {
         std::vector<std::uint64_t> all;
         if (!is('(')) return {number()};
@@ -81,7 +81,7 @@ public:
         while (!take(']')) {
             NpyHeader::Field& field = all.emplace_back();
             require('(');
-            if (is('(')) fail("a field has a title beside its name, which we do not read");
+            if (is('(')) fail("a field has a title beside its name, which is not supported");
             field.name = string();
             require(',');
             if (is('['))
@@ -114,7 +114,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// InputError that begins with `where` for anything else.
+/// Reads a header. Throws InputError that begins with `where` for anything else.
 NpyHeader read_npy_header(std::string_view text, const std::string& where) {
     Literal in(text, where);
     NpyHeader header;
@@ -149,7 +149,7 @@ NpyHeader read_npy_header(std::string_view text, const std::string& where) {
 
 constexpr std::string_view magic = "\x93NUMPY";
 
-/// The dictionary, and where the numbers begin.
+/// Returns the dictionary, and the position where the numbers begin.
 std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
     const auto cut_short = [&]() { throw InputError(source.name() + ": ends inside its header; it was cut short"); };
     std::string start;
@@ -161,8 +161,8 @@ std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
     if (start.size() < 8) cut_short();
     const int version = start[6];
     if (version < 1 || version > 3)
-        throw InputError(
-            fmt::format("{}: is an array file of version {}; versions 1 to 3 are read", source.name(), version));
+        throw InputError(fmt::format("{}: is an array file of version {}; only versions 1 to 3 are supported",
+                                     source.name(), version));
     const std::size_t wide = version == 1 ? 2 : 4;
     std::string length;
     if (source.read(length, wide) < wide) cut_short();
@@ -185,23 +185,23 @@ ItemType type_of(const std::string& word, const std::string& name, const std::st
     const auto type = find_item_type(word);
     if (type && std::string_view("<>|=").find(word.front()) != std::string_view::npos) return *type;
     throw InputError(
-        fmt::format("{}: {}is of type '{}'; floats of 2, 4 or 8 bytes, integers and booleans are read; "
+        fmt::format("{}: {}is of type '{}'; only floats of 2, 4 or 8 bytes, integers and booleans are supported; "
                     "convert it with astype('<f4') or astype('<f8')",
                     file, name.empty() ? "" : "field '" + name + "' ", word));
 }
 
 constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;
 
-/// A field that is an array is several columns: those that its name stands for, or `name_0` and so on.
+/// Adds a field. If it is an array, it becomes several columns: those that its name stands for, or `name_0` and so on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
     const auto pass = [&](std::uint64_t size, std::uint64_t times) {
         if (size > most_record_bytes || times > most_record_bytes || size * times > most_record_bytes - offset)
-            throw InputError(fmt::format("{}: its records have more than {} bytes; write the numbers of rays alone",
+            throw InputError(fmt::format("{}: its records have more than {} bytes; write only the numbers of rays",
                                          file, most_record_bytes));
         offset += size * times;
     };
-    // Bytes between fields, which numpy writes as fields of no name.
+    // Bytes between fields, which numpy writes as fields without a name.
     if (const bool padding = field.type.starts_with("|V"); padding) {
         const std::uint64_t each = std::strtoull(field.type.c_str() + 2, nullptr, 10), times = product(field.shape);
         return pass(each, times);
@@ -209,7 +209,8 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
     const ItemType type = type_of(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
-        throw InputError(fmt::format("{}: field '{}' has {} numbers; at most 4096 are read", file, field.name, count));
+        throw InputError(
+            fmt::format("{}: field '{}' has {} numbers; at most 4096 are supported", file, field.name, count));
     const std::uint64_t begin = offset;
     pass(type.size, count);
     const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
@@ -221,7 +222,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
     }
 }
 
-/// The names of the last axis.
+/// Returns the names of the last axis.
 std::vector<std::string> names_in(const std::string& columns) {
     std::vector<std::string> names{""};
     for (const char c : columns) {
@@ -256,10 +257,8 @@ Lie read_npy(toml::ByteSource& source, const DumpOptions& options) {
                                          toml::counted(rays.back(), "column")));
         const auto names = names_in(options.columns);
         if (names.size() != rays.back())
-            throw InputError(
-                fmt::format("{}: has {}, and --columns names {}; write _ for each that is to be "
-                            "passed over",
-                            file, toml::counted(rays.back(), "column"), names.size()));
+            throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
+                                         toml::counted(rays.back(), "column"), names.size()));
         rays.pop_back();
         for (const std::string& name : names) array.columns.push_back({name, type, 0});
     }
@@ -278,7 +277,7 @@ Lie read_npy(toml::ByteSource& source, const DumpOptions& options) {
     if (array.record_size == 0) throw InputError(file + ": its records are empty");
     if (array.apart && !source.size())
         throw InputError(file +
-                         ": is in Fortran order, which is not read from a pipe; write numpy.ascontiguousarray(a)");
+                         ": is in Fortran order, which cannot be read from a pipe; write numpy.ascontiguousarray(a)");
     constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
     if (rays.size() == 2 && rays[0] > 0 && rays[1] > 0 && rays[0] <= most && rays[1] <= most)
         array.picture = {static_cast<int>(rays[1]), static_cast<int>(rays[0])};

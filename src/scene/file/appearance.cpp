@@ -48,7 +48,7 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     table.read("offset", rule.offset, offset_names);
     read_coefficient(table, "epsilon", rule.epsilon, numbers);
     table.read("ulps", rule.ulps, 0, most_ulps);
-    table.reject_unknown_keys();  // in front of what needs another key, which may be the misspelt one
+    table.reject_unknown_keys();  // in front of the keys that need another key, which may be the misspelt one
     if (!rule.own) {
         for (const char* key : {"offset", "epsilon", "ulps"})
             table.reject(key,
@@ -61,7 +61,7 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     return rule;
 }
 
-/// The paint of one table over what it is otherwise.
+/// Reads the paint of one table over the given defaults.
 void read_paint(TableReader& table, Material& material, const StoredNumbers& numbers) {
     read_colour(table, "colour", material.colour);
     read_coefficient(table, "ka", material.ambient, numbers);

@@ -22,13 +22,14 @@ constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthogra
 
 bool is_zero(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-/// |view × up|² ≤ 2^-80 |view|² |up|²: an angle below 2^-40 leaves the picture's roll to chance.
+/// |view × up|² ≤ 2^-80 |view|² |up|²: at an angle below 2^-40, rounding would decide the roll of the picture.
 bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
     const Vec<Real> across = cross(view, up);
     return dot(across, across) <= ldexp(dot(view, view) * dot(up, up), -80);
 }
 
-/// 1/tan, near and near far/(far − near) stand in the matrix: where one of them is 0 it has no inverse.
+/// Reads `[camera.projection]`. 1/tan, near and near far/(far − near) are entries of the matrix. If one of them is 0,
+/// it has no inverse.
 CameraProjection read_projection(TableReader table, const StoredNumbers& numbers) {
     CameraProjection projection;
     table.read("depth", projection.depth, depth_names);
@@ -49,13 +50,13 @@ CameraProjection read_projection(TableReader table, const StoredNumbers& numbers
     return projection;
 }
 
-/// `rays` and `projection` of a pinhole.
+/// Reads `rays` and `projection` of a pinhole camera.
 void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     if (auto projection = table.optional_table("projection")) {
         camera.projection = read_projection(*projection, numbers);
         if (camera.shift_right != 0 || camera.shift_up != 0)
             table.fail_at("shift",
-                          "moves the picture to one side, and projections have the view axis in its middle; "
+                          "moves the picture to one side, but a projection has the view axis in its middle; "
                           "leave one of the two out");
         numbers.positive(table, "fov_deg", 1 / half_tangent(camera.fov_deg));
     }
@@ -65,26 +66,26 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
     if (camera.rays == nullptr) {
         std::vector<std::string> names;
         for (const camera::Maker& maker : camera::makers()) names.emplace_back(maker.info->name);
-        table.fail_at("rays", "is \"" + *name + "\", and no way to make rays has that name; " +
+        table.fail_at("rays", "is \"" + *name + "\", which is not a known ray generator; " +
                                   toml::did_you_mean(*name, names) + "; `lostbits list makers` shows them");
     }
     if (!camera.projection)
         table.fail_at("rays",
-                      "needs the planes of a projection; write [camera.projection] with near, and far where it "
-                      "is not at infinity");
+                      "needs the planes of a projection; write [camera.projection] with near, and far unless it "
+                      "is at infinity");
     if (!camera.normalise)
         table.fail_at("normalise",
-                      "is false, and camera.rays makes directions of length one; leave one of the two out");
+                      "is false, but camera.rays makes directions of length one; leave one of the two out");
 }
 
 constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out",
                            extent_alone =
                                "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)";
 
-/// Keys that a kind of camera does not have, and why: any other key is one of every kind.
+/// Keys that a kind of camera does not have, and the reason. Every other key is allowed for every kind.
 struct ForeignKeys {
     Camera::Kind kind;
-    std::array<std::string_view, 3> keys;  ///< or fewer
+    std::array<std::string_view, 3> keys;  ///< unused entries are empty
     std::string_view why;
 };
 constexpr ForeignKeys foreign_keys[] = {
@@ -110,7 +111,7 @@ constexpr ForeignKeys foreign_keys[] = {
      "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees"},
 };
 
-/// The camera whose picture plane lies in the world, at z = 0.
+/// Reads a camera whose picture plane is in the world, at z = 0.
 void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     if (numbers.vanishes(camera.eye.z))
@@ -126,7 +127,7 @@ void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& 
         table.fail_at("extent", "covers nothing; write [left, bottom, right, top] with left < right and bottom < top");
 }
 
-/// A camera that looks from its eye along a view, through a window around it.
+/// Reads a camera that looks from its eye along a view, through a window around it.
 void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
     camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
@@ -172,14 +173,14 @@ Scene with_rays(Scene scene, const camera::Maker& by) {
     if (!scene.camera.projection)
         throw InputError(who +
                          " need the planes of a projection, which the scene does not have; write [camera.projection] "
-                         "with near, and far where it is not at infinity");
+                         "with near, and far unless it is at infinity");
     if (!scene.camera.normalise)
-        throw InputError(who + " have length one, and camera.normalise is false; leave it out");
+        throw InputError(who + " have length one, but camera.normalise is false; leave it out");
     scene.camera.rays = &by;
     if (scene.inputs == Inputs::own) return scene;
     if (scene.flake || scene.mesh)
         throw InputError(who +
-                         ": meshes and flakes are rounded by each format where rays are made; write inputs = \"own\"");
+                         ": each format that makes rays must also round meshes and flakes; write inputs = \"own\"");
     const auto stored = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
     Camera& camera = scene.camera;
     for (Vec<Real>* const v : {&camera.eye, &camera.look_at, &camera.up})

@@ -18,14 +18,14 @@ Real positive(TableReader& table, std::string_view key, const char* otherwise, I
     const Real x = table.optional_number(key).value_or(Real(otherwise));
     const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
     if (!(x > 0) || stored == 0)
-        table.fail_at(
-            key, "must be greater than 0 as it is stored; write a positive number, such as " + std::string(otherwise));
+        table.fail_at(key, "must be greater than 0 when it is stored; write a positive number, such as " +
+                               std::string(otherwise));
     if (std::isinf(stored))
         table.fail_at(key, "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38");
     return x;
 }
 
-/// A whole number that an axis of a sweep may have set: those come as reals.
+/// Reads a whole number. It may come as a real, because an axis of a sweep may set it.
 int count(TableReader& table, std::string_view key, int lowest, int highest, int otherwise) {
     const auto x = table.optional_number(key);
     if (!x) return otherwise;
@@ -44,9 +44,10 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
                            positive(table, "over_relaxation", "1.4", inputs)};
     if (c.over_relaxation < 1 ||
         toml::round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
-        table.fail_at("over_relaxation",
-                      "must lie in [1, 2): below 1 steps get shorter, and from 2 on a step is longer than its sphere "
-                      "is wide; try 1.4");
+        table.fail_at(
+            "over_relaxation",
+            "must lie in [1, 2): below 1 steps get shorter, and at 2 or more a step is longer than its sphere "
+            "is wide; try 1.4");
     c.max_steps = count(table, "max_steps", 1, 100000, c.max_steps);
     c.secant_steps = count(table, "secant_steps", 0, 200, c.secant_steps);
     c.bisect_steps = count(table, "bisect_steps", 0, 200, c.bisect_steps);

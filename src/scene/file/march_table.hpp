@@ -12,16 +12,16 @@
 
 namespace lostbits::scene::file {
 
-/// Reads `[march]`; a missing hit_eps, max_steps or max_dist is as SDF Sphere Marching (lesson P0-C1) has it.
-/// InputError with a position for anything out of range, also in binary32 where inputs are shared.
+/// Reads `[march]`. A missing hit_eps, max_steps or max_dist has the value of SDF Sphere Marching (lesson P0-C1).
+/// Throws InputError with a position for anything out of range, also in binary32 if inputs are shared.
 intersect::MarchConstants<Real> read_march(toml::TableReader table, Inputs inputs);
 
-/// Each constant rounded once to F.
+/// Rounds each constant once to F.
 intersect::MarchConstants<double> round_march(const intersect::MarchConstants<Real>& ideal, const FloatFormat& f);
 intersect::MarchConstants<double> round_march(const intersect::MarchConstants<double>& constants, const FloatFormat& f);
 
-/// The constants that F makes 0 or infinity of, in words: "hit_eps = 1e-09 rounds to 0". A form is given them all the
-/// same: what it makes of them is for the measurement to say.
+/// The constants that F rounds to 0 or infinity, in words: "hit_eps = 1e-09 rounds to 0". A form receives them anyway,
+/// and the measurement shows what it makes of them.
 std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f);
 
 }  // namespace lostbits::scene::file

@@ -41,7 +41,7 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
                                     rounded->key->limit == Key::Limit::below_before ||
                                     rounded->key->limit == Key::Limit::within_before);
     if (beside)
-        table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
+        table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
     if (rounded && rounded->key->limit == Key::Limit::off_line_before)
@@ -58,8 +58,8 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
     return solid;
 }
 
-/// `[rays]`: tmin (0 where it is missing), tmax (nowhere) and open_ends, in lengths of the camera's directions. A range
-/// that holds no t is an error, also once rounded to binary32 where inputs are shared.
+/// Reads `[rays]`: tmin (default 0), tmax (default: no end) and open_ends, in lengths of the camera's directions. A
+/// range that holds no t is an error, also once rounded to binary32 if inputs are shared.
 Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& numbers) {
     const FloatFormat& stored = inputs == Inputs::shared ? binary32 : binary64;
     Range<double> range;
@@ -71,7 +71,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     range.tmax = number("tmax", range.tmax);
     table.read("open_ends", range.open, open_ends_names);
     table.reject_unknown_keys();
-    if (range.tmin < 0) table.fail_at("tmin", "is below 0, and a ray looks ahead; write 0 or more");
+    if (range.tmin < 0) table.fail_at("tmin", "is below 0, but a ray only looks ahead; write 0 or more");
     if (!range.holds_any())
         table.fail_at(table.has("tmax") ? "tmax" : "tmin",
                       "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
@@ -84,8 +84,8 @@ struct SolidTable {
     std::pair<int, int> place;  ///< line and column in the file
 };
 
-/// The tables of solids in the order in which they stand in the file as it was `written`. Where a variant or an option
-/// writes a list of solids anew, these stand where those of the file stood; a list that the file has not comes last.
+/// Returns the tables of primitives in their order in the file as it was `written`. If a variant or an option rewrites
+/// a list, its tables stay at the positions of the old ones. A list that the file does not have comes last.
 std::vector<SolidTable> solids_in_order(TableReader& file, const Node& written) {
     std::vector<SolidTable> all;
     for (const ShapeRow& row : shape_rows) {
@@ -170,7 +170,7 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
 
 Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
     Node root = root_;
-    if (root.find("rays") == nullptr) {  // any scene can be given a range by a variant, by --set or by a sweep
+    if (root.find("rays") == nullptr) {  // any scene can get a range from a variant, from --set or from a sweep
         root.entries.push_back({"rays", root.where, {}});
         root.entries.back().value.kind = Node::Kind::table;
     }
@@ -188,7 +188,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.read("source", scene.source);
     file.read("note", scene.note);
     file.read("inputs", scene.inputs, inputs_names);
-    static_cast<void>(file.has("variant"));  // taken out, and what `varient` meant all the same
+    static_cast<void>(file.has("variant"));  // taken out already, but `varient` is still recognised
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
@@ -215,7 +215,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         if (scene.mesh_placed && meshes.size() > 1)
             table.fail_at(
                 "transform",
-                "is of all triangles of the scene, which has several meshes; write them into one, or leave it "
+                "applies to all triangles of the scene, but there are several meshes; write them into one, or leave it "
                 "out");
     }
     if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::joined(std::move(meshes)));
@@ -223,10 +223,10 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        toml::fail(file.where(), "the scene has no solids; write at least one " + tables_of_solids());
+        toml::fail(file.where(), "the scene has no primitives; write at least one " + tables_of_solids());
     if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
-                       "makes rays in each format, by which meshes and flakes are rounded then; write inputs = "
+                       "makes rays in each format, which must also round meshes and flakes; write inputs = "
                        "\"own\"");
     return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
 }
@@ -292,7 +292,7 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
 
 namespace {
 
-/// `mine.toml` of `mine.toml` and of `mine.toml.close`, its variant `close`; empty for a name that is neither.
+/// Returns `mine.toml` for `mine.toml` and for its variant `mine.toml.close`; empty for a name that is neither.
 std::filesystem::path file_in(const std::filesystem::path& name) {
     if (name.extension() == ".toml") return name;
     const std::filesystem::path before = name.parent_path() / name.stem();
@@ -324,7 +324,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         refuse_slip();
         return {as_path};
     }
-    // A folder too, or a pipe: what reads it says what it is.
+    // It may also be a folder or a pipe; the reader reports that.
     if (std::filesystem::exists(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
     const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;

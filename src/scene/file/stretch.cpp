@@ -14,7 +14,7 @@ Real pi() {
     return value;
 }
 
-/// Every solid through `change`, which may find that there is none.
+/// Applies `change` to every primitive. It may return nothing; then this returns false.
 template <class Change>
 bool change_solids(Scene& scene, const Change& change) {
     for (Solid<Real>& solid : scene.listed) {
@@ -33,7 +33,7 @@ Real degrees_of(const Real& half_tangent) { return atan(half_tangent) * 360 / pi
 Vec<Real> middle_of(const Solid<Real>& solid) {
     const Vec<Real> middle = visit(solid, [](const auto& shape) { return shape.middle(); });
     if (!solid.placed) return middle;
-    // What a stored inverse M⁻¹ takes to the middle.
+    // The point that the stored inverse M⁻¹ transforms to the middle.
     if (solid.placed->is_inverse)
         return point_in_object(middle, Placement<Real>{solid.placed->matrix, false, solid.placed->orientation});
     return solid.placed->map().point(middle);
@@ -86,7 +86,7 @@ std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& stil
 
 namespace {
 
-/// Every length of the world k times itself.
+/// Multiplies every length of the world by k.
 Solid<Real> enlarged(const Solid<Real>& solid, const Real& k) {
     if (!solid.placed) return transformed(solid, [&k](const Real& x) { return Real(k * x); });
     Solid<Real> to = solid;

@@ -1,5 +1,5 @@
-// The tables of a scene file, whose readers throw InputError with a position for anything that makes no picture; and
-// its numbers, held against what the scene does with them: rounding to binary32 where inputs are shared.
+// Readers for the tables of a scene file. They throw InputError with a position for anything that cannot be a picture.
+// They also check that numbers survive rounding to binary32 if inputs are shared.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace lostbits::scene::file {
 
-/// Each returns the number that stands at `key`, or fails there.
+/// Checks numbers. Each function returns the number of `key`, or fails there.
 class StoredNumbers {
 public:
     explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
@@ -37,7 +37,7 @@ public:
 
     [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
 
-    /// Zero, or zero once rounded.
+    /// True if the number is zero, or is zero once rounded.
     [[nodiscard]] bool vanishes(const Real& x) const {
         return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
     }
@@ -55,20 +55,21 @@ private:
     bool shared_;
 };
 
-/// `[camera]`.
+/// Reads `[camera]`.
 Camera read_camera(toml::TableReader table, const StoredNumbers& numbers);
 
-/// The keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`; the materials come one by one.
+/// Reads the keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`. The materials are read one
+/// by one.
 Appearance read_appearance(toml::TableReader& file, const StoredNumbers& numbers);
 
-/// The keys of a sphere that are paint, each `look.base`'s where it is missing.
+/// Reads the keys of a sphere's paint. A missing key has the value of `look.base`.
 Material read_material(toml::TableReader& sphere, const Appearance& look, const StoredNumbers& numbers);
 
-/// The table `transform` of a solid, where it has one: `matrix` (twelve numbers, row by row), or `scale`, `rotate`,
-/// `translate` and `look_at`, done in this order, or `steps`, a list of such tables done one after the other. All is
-/// composed in the scene's exact numbers, and rounded once where it is stored: as the matrix from the solid to the
-/// world, or, by `stored = "inverse"`, as the one back. InputError with a position, also where the matrix is singular,
-/// as written or as stored.
+/// Reads the table `transform` of a primitive, if it has one: `matrix` (twelve numbers, row by row), or `scale`,
+/// `rotate`, `translate` and `look_at`, applied in this order, or `steps`, a list of such tables applied one after the
+/// other. They are composed in the scene's exact numbers, and rounded once when stored: as the matrix from the
+/// primitive to the world or, with `stored = "inverse"`, as its inverse. Throws InputError with a position, also if the
+/// matrix is singular, as written or as stored.
 std::optional<Placement<Real>> read_transform(toml::TableReader& solid, const StoredNumbers& numbers);
 
 }  // namespace lostbits::scene::file

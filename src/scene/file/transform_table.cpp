@@ -21,7 +21,7 @@ using Map = Affine<Real>;
 Vec<Real> axis(int i) { return {Real(i == 0), Real(i == 1), Real(i == 2)}; }
 Map identity() { return {{axis(0), axis(1), axis(2)}, {Real(0), Real(0), Real(0)}}; }
 
-/// First `inner`, then `outer`.
+/// Applies first `inner`, then `outer`.
 Map composed(const Map& outer, const Map& inner) {
     Map both;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -34,7 +34,7 @@ Map composed(const Map& outer, const Map& inner) {
 
 bool vanishes(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-/// Of three vectors that become the axes.
+/// Builds the map that takes the axes to three vectors.
 Map of_columns(const Vec<Real>& x, const Vec<Real>& y, const Vec<Real>& z, const Vec<Real>& shift) {
     return {{Vec<Real>(x.x, y.x, z.x), Vec<Real>(x.y, y.y, z.y), Vec<Real>(x.z, y.z, z.z)}, shift};
 }
@@ -44,11 +44,11 @@ Map read_scale(TableReader& table) {
     if (table.node("scale").kind == Node::Kind::array) by = table.vec3("scale");
     else by.x = by.y = by.z = table.number("scale");
     if (by.x == 0 || by.y == 0 || by.z == 0)
-        table.fail_at("scale", "flattens the solid; write numbers other than 0 (a negative one mirrors)");
+        table.fail_at("scale", "flattens the primitive; write numbers other than 0 (a negative one mirrors)");
     return {{by.x * axis(0), by.y * axis(1), by.z * axis(2)}, {Real(0), Real(0), Real(0)}};
 }
 
-/// v cos φ + (a × v) sin φ + a (a·v)(1 − cos φ) about the unit axis a, of the three axes (Rodrigues).
+/// Rotates the three axes by v cos φ + (a × v) sin φ + a (a·v)(1 − cos φ) about the unit axis a (Rodrigues).
 Map read_rotation(TableReader table) {
     const Vec<Real> about = table.vec3("axis");
     if (vanishes(about)) table.fail_at("axis", "is zero, which is not a direction; write [0, 0, 1]");
@@ -66,7 +66,7 @@ Map read_rotation(TableReader table) {
     return of_columns(of(axis(0)), of(axis(1)), of(axis(2)), {Real(0), Real(0), Real(0)});
 }
 
-/// The origin comes to `from`, the z axis points to `to`, the y axis up.
+/// Moves the origin to `from`, points the z axis to `to`, and the y axis up.
 Map read_look_at(TableReader table) {
     const Vec<Real> from = table.vec3("from"), to = table.vec3("to");
     Vec<Real> up = axis(1);
@@ -79,8 +79,8 @@ Map read_look_at(TableReader table) {
     return of_columns(x, cross(z, x), z, from);
 }
 
-/// What the keys of a table make together, and what was made up to each of them: a number that cannot be stored is the
-/// fault of the key that brought it.
+/// The map that the keys of a table make together, and the map made up to each key. If a number cannot be stored, the
+/// error names the key that introduced it.
 class Steps {
 public:
     void add(const TableReader& table, std::string_view key, const Map& next) {
@@ -93,7 +93,7 @@ public:
     }
     [[nodiscard]] const Map& map() const { return map_; }
 
-    /// Fails where `is_wrong` holds of what all of them make: at the key since which it does.
+    /// Fails if `is_wrong` is true for the map of all keys, at the first key since which it is true.
     template <class IsWrong>
     void refuse(const IsWrong& is_wrong, const std::string& message) const {
         if (!is_wrong(map_) || steps_.empty()) return;
@@ -105,14 +105,14 @@ public:
 private:
     struct Step {
         TableReader table;
-        std::string_view key;  ///< a literal of the source
+        std::string_view key;  ///< a literal in the source
         Map until_here;
     };
     std::vector<Step> steps_;
     Map map_ = identity();
 };
 
-/// What one table says, but for how it is stored.
+/// Reads everything in one table except how it is stored.
 Steps read_steps(TableReader& table) {
     Steps steps;
     if (table.has("matrix")) {
@@ -135,7 +135,7 @@ Steps read_steps(TableReader& table) {
     return steps;
 }
 
-/// A⁻¹ p − A⁻¹ τ.
+/// Returns A⁻¹ p − A⁻¹ τ.
 Map inverse(const Map& m) {
     const auto columns = m.adjugate();
     const Real det = m.determinant();

@@ -1,4 +1,4 @@
-// A family of rays for any shape: seeded solids, and rays aimed at points of them.
+// A ray distribution for any shape: seeded primitives, and rays aimed at points of them.
 #pragma once
 
 #include <cstdint>
@@ -11,35 +11,35 @@
 
 namespace lostbits::scene::rays {
 
-/// A direction of length 1, without sine and cosine, which differ by machine.
+/// Draws a direction of length 1 without sine and cosine, which differ between machines.
 inline Vec<double> draw_direction(Random& random) {
     for (;;) {
-        // One by one: a compiler chooses the order of arguments, and clang's is not gcc's.
+        // Draw one by one: the compiler chooses the order in which arguments are evaluated, and clang and gcc differ.
         const double x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
         const Vec<double> d(x, y, z);
         if (const double size = length(d); size <= 1 && size > 0x1p-10) return d / size;
     }
 }
 
-/// The family of a shape is a struct F with a table's name that is derived from this, and says
+/// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
 ///     static Solid<double> drawn(Random&, const Vec<double>& middle, double size)
-/// and may say, of what can be aimed at,
+/// It may also say what rays can be aimed at:
 ///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
 ///     static Vec<double> aimed_at(Random&, const Solid<double>&, int aim)
 /// Rays come from any direction, from `distance` sizes away.
 template <class F>
 struct AimedFamily {
     int aim = 0;
-    double size = 1;                 ///< about that of the solid, world units
+    double size = 1;                 ///< approximate size of the primitive, world units
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
-    double aside = 0;                ///< how far the point is moved, in any direction, in sizes
+    double aside = 0;                ///< distance by which the point is moved, in any direction, in sizes
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;                ///< solids: what the rays at a solid share is one sample of it
-    int rays = 1;                    ///< rays per solid
+    int views = 1024;                ///< number of primitives; the rays at one primitive form one sample
+    int rays = 1;                    ///< rays per primitive
     std::uint64_t seed = 1;
 
-    /// InputError with a position for anything out of range.
+    /// Reads the table. Throws InputError with a position for anything out of range.
     static F read(toml::TableReader table) {
         F f;
         if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
@@ -50,7 +50,7 @@ struct AimedFamily {
         return f;
     }
 
-    /// Shared inputs, each number rounded once to binary32.
+    /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedFamily& f) {
             const Solid<double> solid =
@@ -66,7 +66,7 @@ struct AimedFamily {
         });
     }
 
-    /// A point at random shares of the sides of the cube around it.
+    /// Returns a point at random fractions of the sides of the bounding cube.
     static Vec<double> aimed_at(Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.unit(), y = random.unit(), z = random.unit();
         return visit(solid, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
@@ -76,7 +76,7 @@ struct AimedFamily {
         static constexpr RaySet all[] = {{"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
         return all;
     }
-    /// What misses looks away.
+    /// Rays for timing. The misses point away from the primitive.
     static HitsAndMisses timed() {
         const F family = of_one_view(F{});
         HitsAndMisses rays{family.draw().front(), family.draw().front()};

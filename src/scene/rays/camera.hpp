@@ -1,4 +1,4 @@
-// From pixels to rays, over any arithmetic: double for shared inputs, Real for the ideal scene.
+// Makes the rays of pixels, over any arithmetic: double for shared inputs, Real for the ideal scene.
 #pragma once
 
 #include <type_traits>
@@ -10,23 +10,23 @@
 
 namespace lostbits::scene::rays {
 
-/// The camera of a picture, ready to make rays. It is built once in Real and each number rounded once to T, so it
-/// is the same on every machine (no libm: MPFR's tangent is correctly rounded) and as good as T allows.
+/// The camera of a picture, ready to make rays. It is built once in Real, and each number is rounded once to T. So it
+/// is the same on every machine (no libm: MPFR's tangent is correctly rounded) and as accurate as T allows.
 template <class T>
 struct CameraFrame {
     file::Camera::Kind kind;
     bool normalise;
     Vec<T> origin;
-    /// An orthonormal basis; `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact
+    /// An orthonormal basis. `up` is the camera's up made perpendicular to the view. Axis-aligned cameras get exact
     /// axes.
     Vec<T> right, up, forward;
-    T pitch;     ///< side of a pixel: in world units, or at distance 1 in front of a pinhole
-    T centre_x;  ///< where the view axis meets the picture: pixels right of its top left corner,
+    T pitch;     ///< side of a pixel, in world units; for a pinhole, at distance 1 in front of it
+    T centre_x;  ///< where the view axis meets the picture, in pixels to the right of its top left corner,
     T centre_y;  ///< and below it
     /// pixel_plane: the top left corner of the picture at z = 0, and the height of a pixel (`pitch` is its width).
     T left, top, pitch_down;
 
-    /// Each number through `f`.
+    /// Applies `f` to each number.
     template <class F>
     [[nodiscard]] auto each(const F& f) const {
         using S = decltype(f(pitch));
@@ -46,8 +46,8 @@ struct CameraFrame {
     }
 };
 
-/// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward. The camera of
-/// pixels at z = 0 has no basis: its pixels lie along x and y.
+/// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward. A camera of
+/// kind `pixel_plane` has no basis: its pixels are along x and y.
 CameraFrame<Real> make_ideal_frame(const file::Scene& scene);
 
 template <class T>

@@ -1,4 +1,4 @@
-// What the families have in common: how many rays there are, how long their directions are and where they lie.
+// The common part of the ray distributions: the number of rays, the length of their directions and their offset.
 #pragma once
 
 #include <cmath>
@@ -11,19 +11,20 @@
 
 namespace lostbits::scene::rays {
 
-/// Rays on which forms of a shape are compared.
+/// A set of rays on which forms of a shape are compared.
 struct RaySet {
-    std::string_view name;   ///< in files
-    std::string_view title;  ///< what the rays are
+    std::string_view name;   ///< name in files
+    std::string_view title;  ///< description of the rays
     std::vector<RayGroup> (*groups)();
 };
 
-/// Rays at one solid that all hit it, and that all miss it, on which forms are timed.
+/// Rays at one primitive that all hit it, and rays that all miss it, on which forms are timed.
 struct HitsAndMisses {
     RayGroup hits, misses;
 };
 
-/// The family with one view, of many rays. Its first draw is the solid: the same seed gives the same one.
+/// Returns the ray distribution with one view of many rays. Its first draw is the primitive, so the same seed gives
+/// the same primitive.
 template <class F>
 F of_one_view(F family) {
     family.views = 1;
@@ -32,12 +33,12 @@ F of_one_view(F family) {
     return family;
 }
 
-/// Rounded once to binary32.
+/// Rounds once to binary32.
 inline double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
 inline Vec<double> stored(const Vec<double>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
 
-/// Reads the keys that every family has, and rejects what nothing asked for: call it last. What a missing key stands
-/// for is in `family`.
+/// Reads the keys that every ray distribution has, and rejects keys that nothing asked for; call it last. Missing keys
+/// keep their value in `family`.
 template <class F>
 void read_common_keys(toml::TableReader& table, F& family) {
     table.read_number("direction_magnitude", family.direction_magnitude, 0x1p-120, 0x1p+120);
@@ -48,19 +49,19 @@ void read_common_keys(toml::TableReader& table, F& family) {
     table.reject_unknown_keys();
 }
 
-/// By how much everything is moved: in no special direction.
+/// The offset of everything, in no special direction.
 template <class F>
 Vec<double> offset_of(const F& family) {
     return family.offset * Vec<double>(1, 0.6875, -0.4375);
 }
 
-/// The power of two that is nearest to the length asked for.
+/// The power of two nearest to the requested length.
 template <class F>
 double direction_length(const F& family) {
     return std::ldexp(1.0, std::ilogb(family.direction_magnitude * std::sqrt(2.0)));
 }
 
-/// `draw(random, family)` once a view.
+/// Calls `draw(random, family)` once for each view.
 template <class F, class Draw>
 std::vector<RayGroup> draw_views(const F& family, Draw draw) {
     Random random(family.seed);

@@ -54,7 +54,7 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         const double *const from = of(before) + k, *const to = of(after) + k;
         for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
-            // An ideal length that is positive may be 0 in binary64 already.
+            // A positive ideal length may already be 0 in binary64.
             if (to[i] == 0 && (from[i] != 0 || key.limit == Key::Limit::positive))
                 lose(std::string(key.name), from[i], "rounds to 0", where);
             if (std::isinf(to[i])) lose(std::string(key.name), from[i], "rounds to infinity", where);
@@ -69,7 +69,7 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
     });
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::apart_from_before && after.point(k) == after.point(k - 3))
-            lose("the way to " + std::string(key.name), length(Vec<double>(before.point(k) - before.point(k - 3))),
+            lose("the distance to " + std::string(key.name), length(Vec<double>(before.point(k) - before.point(k - 3))),
                  "rounds to 0", where);
         if (!key.is_length())
             check_point(of(before) + k, of(after) + k, fmt::format("a coordinate of {}", key.name), where);
@@ -79,7 +79,7 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
 std::vector<std::string> LostLengths::lines() const {
     std::vector<std::string> all;
     for (const Loss& l : losses_) {
-        // An ideal number may be 0 in a double; none that is 0 by itself is lost.
+        // A nonzero ideal number may be 0 in a double. A number that is 0 itself is never lost.
         const std::string size = l.value == 0 ? "less than 5e-324" : fmt::format("= {:g}", l.value);
         const std::string others = l.count > 1 ? fmt::format("; {} in all", l.count) : "";
         all.push_back(fmt::format("{} {} {} ({}{})", l.what, size, l.becomes, l.first, others));

@@ -18,14 +18,15 @@ namespace {
 
 Matrix4<Real> matrix(const std::array<std::array<Real, 4>, 4>& rows) { return {rows}; }
 
-/// Axes in the columns, then a place: the inverse of a view.
+/// Builds the inverse of a view: the axes in the columns, then a position.
 Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& place) {
     const auto row = [&](int i) { return std::array<Real, 4>{f.right[i], f.up[i], -f.forward[i], place[i]}; };
     return matrix({row(0), row(1), row(2), {Real(0), Real(0), Real(0), Real(1)}});
 }
 
-/// z/w is p = `depth_near` on the near plane and q = `depth_far` on the far one, w = -z. With n and f: z' = a z + b,
-/// a = (p n - q f)/(f - n), b = (p - q) f n/(f - n); with f at infinity a = -q, b = (p - q) n.
+/// z/w is p = `depth_near` on the near plane and q = `depth_far` on the far one, with w = -z. With n and f the
+/// distances: z' = a z + b, a = (p n - q f)/(f - n), b = (p - q) f n/(f - n). With f at infinity, a = -q and b = (p -
+/// q) n.
 Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
     const Real range = c.depth_near - c.depth_far, zero(0);
     const Real a =
@@ -37,7 +38,7 @@ Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c
                     {zero, zero, Real(-1), zero}}});
 }
 
-/// Pixels to the right and down to clip space; z from 0 on the near plane.
+/// The matrix from pixels, to the right and down, to clip space; z is 0 on the near plane.
 Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
     const Real zero(0), one(1);
     return matrix({{{Real(2) / c.width, zero, zero, -one},

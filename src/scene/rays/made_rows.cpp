@@ -26,8 +26,8 @@ const Intersector& with_maker(const Maker& maker, const Intersector& form) {
         std::string(form.info->name) + "@" + std::string(maker_prefix) + std::string(maker.info->name);
     if (form.is_set() || form.is_placed || maker_of(form))
         throw InputError(name +
-                         ": a way to make rays stands behind one form without a space; of several shapes, or of "
-                         "solids under matrices, write camera.rays = \"" +
+                         ": a ray generator follows one form without a transform; for several shapes, or "
+                         "primitives under matrices, write camera.rays = \"" +
                          std::string(maker.info->name) +
                          "\" into the scene, or --set camera.rays=" + std::string(maker.info->name));
     return rows().row_of({&maker, &form}, [&](Rows::Made& made) {
@@ -49,11 +49,12 @@ const Intersector& beneath_maker(const Intersector& row) {
 
 const Intersector& without_maker(const Intersector& row) {
     if (maker_of(row))
-        throw InputError(std::string(row.info->name) +
-                         ": the way that makes the rays stands last, behind one form and its box, as in "
-                         "sphere.unified^box.signs@ray-three; of several shapes, or through a space, write camera.rays "
-                         "into the scene, or --set camera.rays=" +
-                         std::string(maker_of(row)->info->name));
+        throw InputError(
+            std::string(row.info->name) +
+            ": the ray generator comes last, after one form and its box, as in "
+            "sphere.unified^box.signs@ray-three; for several shapes, or with a transform, write camera.rays "
+            "into the scene, or --set camera.rays=" +
+            std::string(maker_of(row)->info->name));
     return row;
 }
 

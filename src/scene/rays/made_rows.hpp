@@ -1,4 +1,4 @@
-// Forms that are given the rays of a camera as a way makes them, as rows of the table.
+// Forms with the rays of a ray generator, as rows of the table.
 #pragma once
 
 #include <functional>
@@ -12,41 +12,43 @@
 
 namespace lostbits::scene::rays {
 
-/// What a name has between the form and the way: `sphere.unified@ray-three`.
+/// The prefix between the form and the ray generator: `sphere.unified@ray-three`.
 inline constexpr std::string_view maker_prefix = "ray-";
 
-/// What the name of a form ends with whose products are contracted: `sphere.schoolbook+fma`.
+/// The end of the name of a form whose products are contracted: `sphere.schoolbook+fma`.
 inline constexpr std::string_view contracted_suffix = "+fma";
 
-/// The row `sphere.unified@ray-three`: the form itself, asked about rays made that way. Made once and kept. InputError
-/// for sets, and for forms through the space of solids under matrices, which a scene with `camera.rays` asks.
+/// Returns the row `sphere.unified@ray-three`: the form itself, with rays made by that ray generator. It is made once
+/// and kept. Throws InputError for sets, and for forms in the space of primitives under matrices; a scene with
+/// `camera.rays` can be used for these.
 const intersect::table::Intersector& with_maker(const camera::Maker& maker, const intersect::table::Intersector& form);
 
-/// Null where the scene says who makes the rays.
+/// Returns null if the row has no ray generator of its own.
 const camera::Maker* maker_of(const intersect::table::Intersector& row);
 
-/// The row that the way was put behind; the row itself where none was.
+/// Returns the row without its ray generator, or the row itself if it has none.
 const intersect::table::Intersector& beneath_maker(const intersect::table::Intersector& row);
 
-/// The row itself, to be made part of another one. InputError where its rays are made already: the way stands last, as
-/// in `FORM^BOX@ray-WAY`.
+/// Returns the row itself, to be made part of another row. Throws InputError if it has a ray generator, which must
+/// come last, as in `FORM^BOX@ray-WAY`.
 const intersect::table::Intersector& without_maker(const intersect::table::Intersector& row);
 
-/// The forms of a set's name, `sphere.unified+fma+box.signs`: it parts at each + but those of `+fma`. One: no set.
+/// Returns the forms in a set's name, `sphere.unified+fma+box.signs`. The name is split at each + except that of
+/// `+fma`. One form is not a set.
 std::vector<std::string> forms_in_name(const std::string& name);
 
-/// A name that says what a row is made of, taken apart where the last part begins: FORM@SPACE, FORM@ray-WAY, FORM^BOX,
-/// FORM^BOX~HULL or FORM+fma.
+/// A name of a composed row, split before its last part: FORM@SPACE, FORM@ray-WAY, FORM^BOX, FORM^BOX~HULL or
+/// FORM+fma.
 struct MadeName {
     enum class Kind { space, maker, box, contracted } kind;
     std::string form;                 ///< may be such a name itself
-    std::string last;                 ///< the space, the way, or the form of boxes; "fma"
-    std::optional<std::string> hull;  ///< the way of computing the box, where one is named
+    std::string last;                 ///< the transform, the ray generator, or the form of boxes; "fma"
+    std::optional<std::string> hull;  ///< the method to compute the bounding box, if one is named
 };
-/// Nothing for a name without an @ or a ^ that does not end with +fma.
+/// Returns nothing for a name without an @ or a ^ that does not end with +fma.
 std::optional<MadeName> made_name(const std::string& name);
 
-/// What each part of a name stands for: one for a name, several for a glob. They throw for what is unknown.
+/// Functions that find each part of a name: one for a name, several for a glob. They throw for unknown names.
 struct NamedParts {
     template <class Part>
     using Find = std::function<std::vector<const Part*>(const std::string&)>;
@@ -54,10 +56,10 @@ struct NamedParts {
     Find<intersect::space::Space> spaces;
     Find<camera::Maker> makers;
     Find<intersect::hull::HullWay> hulls;
-    /// The row of a form whose products are contracted.
+    /// Returns the row of a form whose products are contracted.
     std::function<const intersect::table::Intersector&(const intersect::table::Intersector&)> contracted;
 };
-/// Every row of that name, the form first, then the box, then the other part.
+/// Returns every row of that name, ordered by the form, then the box, then the other part.
 std::vector<const intersect::table::Intersector*> rows_of(const MadeName& name, const NamedParts& parts);
 
 }  // namespace lostbits::scene::rays

@@ -1,4 +1,4 @@
-// Seeded random numbers that are the same on every machine.
+// Seeded random numbers, the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace lostbits::scene::rays {
 
-/// The engine's sequence is fixed by the standard; its distributions are not, so these are ours.
+/// The standard fixes the engine's sequence but not the distributions, so these are our own.
 class Random {
 public:
     explicit Random(std::uint64_t seed) : engine_(seed) {}
     /// In [0, 1), 53 bits.
     double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
     double between(double a, double b) { return a + unit() * (b - a); }
-    /// 0 … n − 1.
+    /// Draws from 0 … n − 1.
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double sign() { return below(2) == 0 ? 1 : -1; }
 

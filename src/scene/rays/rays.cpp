@@ -47,7 +47,7 @@ void round_ranges(const BasicRayBlock<T>& from, RayBlock& to, const Round& round
     to.open = from.open;
 }
 
-/// v/|v|. The sum with zero turns −0, which cross products of axes give, into 0.
+/// v/|v|. Adding zero turns −0, which cross products of axes give, into 0.
 Vec<Real> unit(const Vec<Real>& v) {
     const Real size = length(v), zero(0);
     return {v.x / size + zero, v.y / size + zero, v.z / size + zero};
@@ -119,7 +119,7 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
-    // A picture has millions of numbers, and to binary32 the machine rounds by itself.
+    // A picture has millions of numbers, and the machine itself rounds to binary32.
     const bool by_machine = f == binary32;
     const auto round = [&f, by_machine](double x) {
         return by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);

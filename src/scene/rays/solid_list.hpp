@@ -1,4 +1,5 @@
-// The solids of a picture as numbers, a flake of millions of spheres among them: held once, shared by all formats.
+// The primitives of a picture as numbers, which may include a flake of millions of spheres. They are stored once and
+// shared by all formats.
 #pragma once
 
 #include <array>
@@ -18,8 +19,8 @@
 
 namespace lostbits::scene::rays {
 
-/// The spheres of a flake, structure of arrays: the centres' x, y, z and the radii. 16 bytes a sphere where inputs are
-/// shared, which are numbers of binary32, and 32 where each format rounds its own.
+/// The spheres of a flake, as a structure of arrays: x, y, z of the centres and the radii. A sphere takes 16 bytes if
+/// inputs are shared, which are numbers of binary32, and 32 if each format rounds its own.
 class SphereColumns {
 public:
     SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs);
@@ -36,7 +37,7 @@ public:
             columns_);
         return solid;
     }
-    /// The columns as they are stored; nothing where they are stored in the other type.
+    /// The columns as they are stored; nothing if they are stored in the other type.
     template <class T>
     [[nodiscard]] const std::array<std::vector<T>, 4>* stored() const {
         return std::get_if<std::array<std::vector<T>, 4>>(&columns_);
@@ -46,8 +47,8 @@ private:
     std::variant<std::array<std::vector<float>, 4>, std::array<std::vector<double>, 4>> columns_;
 };
 
-/// The triangles of a scene's meshes: the vertices and the matrix as numbers of binary32 where inputs are shared, else
-/// as they are.
+/// The triangles of a scene's meshes. The vertices and the matrix are numbers of binary32 if inputs are shared, else
+/// unrounded.
 class MeshColumns {
 public:
     MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
@@ -67,20 +68,20 @@ private:
     std::optional<Placement<double>> placed_;
 };
 
-/// Solids in storage type S: first those that stand in memory one by one, then perhaps the spheres of a flake and the
-/// triangles of meshes. Copies share what was made.
+/// Primitives in storage type S: first those that are stored one by one, then the spheres of a flake and the triangles
+/// of meshes, if any. Copies share the flake and the meshes.
 template <class S>
 class SolidList {
 public:
     SolidList() = default;
     SolidList(std::vector<Solid<S>> listed) : listed_(std::move(listed)) {}
-    /// What a scene has beside the solids that it lists; null where it has none. `inputs` of both.
+    /// The flake and the meshes of a scene; null if it has none. `inputs` applies to both.
     struct Made {
         std::shared_ptr<const SphereColumns> flake;
         std::shared_ptr<const MeshColumns> mesh;
         file::Inputs inputs = file::Inputs::shared;
     };
-    /// `format` absent: the numbers of what was made are taken as they are.
+    /// If `format` is absent, the numbers of the flake and the meshes are not rounded.
     SolidList(std::vector<Solid<S>> listed, Made made, std::optional<FloatFormat> format = std::nullopt)
         : listed_(std::move(listed)), made_(std::move(made)), format_(format) {}
 
@@ -92,15 +93,15 @@ public:
                            [this](double x) { return S(rounded(x)); });
     }
     [[nodiscard]] const Made& made() const { return made_; }
-    /// The triangles of meshes, where there are some.
+    /// The triangles of meshes; null if there are none.
     [[nodiscard]] const MeshColumns* mesh() const { return made_.mesh.get(); }
-    /// The place of the first of them.
+    /// Index of the first triangle.
     [[nodiscard]] std::size_t first_of_mesh() const { return listed_.size() + (made_.flake ? made_.flake->size() : 0); }
     [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
-    /// Without what was made.
+    /// The primitives without flake and meshes.
     [[nodiscard]] std::span<const Solid<S>> listed() const { return listed_; }
     [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return made_.flake; }
-    /// One by one in memory, those that were made as well.
+    /// All primitives one by one, including the flake and the meshes.
     [[nodiscard]] std::vector<Solid<S>> all() const {
         std::vector<Solid<S>> every = listed_;
         every.reserve(size());
@@ -108,7 +109,8 @@ public:
         return every;
     }
 
-    /// The numbers of spheres begin to begin + count, as columns of T: where they are stored, or in `room`.
+    /// The numbers of the spheres from begin to begin + count, as columns of T: a view of the stored columns, or of
+    /// `room`.
     template <class T>
     [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
                                                             std::array<std::vector<T>, 4>& room) const {
@@ -136,15 +138,16 @@ private:
     std::optional<FloatFormat> format_;
 };
 
-/// As `shared_solids`, what is made as columns; and its parts, those that the file lists and its meshes.
+/// The primitives of `shared_solids`, with flake and meshes as columns; and the parts of it: the listed primitives and
+/// the meshes.
 SolidList<double> shared_solid_list(const file::Scene& scene);
 std::vector<Solid<double>> shared_listed(const file::Scene& scene);
 std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene);
 SolidList<double> solid_list_of(const RayGroup& group);
-/// The ideal solids of a scene with own inputs, what is made as columns.
+/// The ideal primitives of a scene with own inputs, with flake and meshes as columns.
 SolidList<Real> ideal_solid_list(const file::Scene& scene);
 
-/// Every number rounded once to F.
+/// Rounds every number once to F.
 SolidList<double> round_solids(const SolidList<double>& solids, const FloatFormat& f);
 SolidList<double> round_solids(const SolidList<Real>& solids, const FloatFormat& f);
 

@@ -7,7 +7,7 @@
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes among `stored_solids`, whose last they are; null where there are none.
+/// The triangles of meshes, which are the last of `stored_solids`; null if there are none.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
@@ -19,7 +19,7 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
 }
 
-/// Whether binary32 holds every number of the triangles.
+/// True if binary32 holds every number of the triangles.
 inline bool fits_binary32(const MeshColumns& triangles) {
     bool fits = true;
     const auto look = [&fits](double x) {

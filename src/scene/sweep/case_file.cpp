@@ -23,13 +23,13 @@ namespace {
 std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
     const Node& node = table.node(key);
     if (node.kind != Node::Kind::array || node.items.size() != count)
-        table.fail_at(key, "is " + node.describe() + " where " + std::to_string(count) + " numbers are expected");
+        table.fail_at(key, "is " + node.describe() + ", but " + std::to_string(count) + " numbers are expected here");
     std::vector<Quantity> all;
     for (const Node& item : node.items) all.emplace_back(item, special);
     return all;
 }
 
-/// x → sign·x of another axis, for all three axes: one of the 48 symmetries of a cube.
+/// A symmetry of a cube: x → sign·x of another axis, for all three axes. There are 48.
 struct Symmetry {
     std::array<int, 3> from;
     std::array<double, 3> sign;
@@ -37,7 +37,7 @@ struct Symmetry {
     [[nodiscard]] Vec<double> of(const Vec<double>& v) const {
         return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]};
     }
-    /// S M of the matrix to the world, and M⁻¹ S⁻¹ of a stored inverse: the solid stays in its own space.
+    /// S M for a matrix to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
     [[nodiscard]] Placement<double> of(const Placement<double>& m) const {
         auto to = m.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -62,9 +62,8 @@ struct Symmetry {
                 double& x = to.numbers[k + static_cast<std::size_t>(i)] = point[i];
                 if (key.kind == Key::Kind::lengths) x = std::fabs(x);
                 if (key.limit != Key::Limit::at_least_before) continue;
-                // A mirror changes the corners' places. They are not sorted: −0 and +0 are equal, and each stays where
-                // the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) do
-                // change places.
+                // A mirror swaps the corners. They are not sorted: −0 and +0 are equal, and each stays where the file
+                // has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) are swapped.
                 double& before = to.numbers[k + static_cast<std::size_t>(i) - 3];
                 if (before > x || (before == x && sign[i] < 0)) std::swap(before, x);
             }
@@ -92,7 +91,7 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
 
 }  // namespace
 
-/// spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]
+/// Returns spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]
 std::string solids_of_a_case() {
     std::string words;
     for (const ShapeRow& row : shape_rows)
@@ -112,7 +111,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
     table.read("symmetric", c.symmetric);
-    std::vector<std::pair<std::pair<int, int>, SolidSpec>> solids;  // by where they stand in the file
+    std::vector<std::pair<std::pair<int, int>, SolidSpec>> solids;  // by position in the file
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& solid : table.tables(row.plural)) {
             SolidSpec spec{row.shape, {}};
@@ -124,7 +123,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
             }
             for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
                 if (!solid.has(key)) continue;
-                if (!spec.matrix.empty()) solid.fail_at(key, "stands beside matrix; write one of the two");
+                if (!spec.matrix.empty()) solid.fail_at(key, "is given together with matrix; write one of the two");
                 spec.matrix = quantities(solid, key, Affine<double>::numbers, false);
                 spec.is_inverse = is_inverse;
                 if (!spec.in(binary64, 0).placed->is_proper()) solid.fail_at(key, std::string(singular_words));
@@ -144,8 +143,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     table.read("open_ends", c.open, open_ends_names);
     table.reject_unknown_keys();
-    if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
-    if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
+    if (c.solids.empty()) toml::fail(table.where(), "a case needs " + solids_of_a_case() + "; write one of them");
+    if (c.rays.empty()) toml::fail(table.where(), "a case needs rays = [{ origin, direction }, …]; write at least one");
     return c;
 }
 
@@ -241,7 +240,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
         const auto put_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double otherwise,
                                   std::vector<double>& to) {
             if (!std::ranges::any_of(c.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); })) return;
-            // A parameter, not a length: it is not scaled.
+            // tmin and tmax are parameters, not lengths: they are not scaled.
             for (const RaySpec& ray : c.rays)
                 to.push_back((ray.*end).empty() ? otherwise : (ray.*end).front().in(format, 0));
         };
@@ -256,7 +255,8 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
 
 namespace {
 
-/// A misspelt table makes a file one of another kind, and what that kind lacks would be told in its place.
+/// Refuses misspelt tables. A misspelt table makes the file one of another kind, and the error would be about what
+/// that kind lacks.
 void refuse_misspelt_tables(const Node& root) {
     std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
     for (const ShapeRow& row : shape_rows) tables.emplace_back(row.name);
@@ -278,7 +278,7 @@ SweepKind sweep_kind(const std::filesystem::path& path) {
         refuse_misspelt_tables(root);
     }
     const Node* const axis = root.find("axis");
-    // One table without steps, as files of every float had it; with steps it is a slip for [[axis]].
+    // Old files of every float have one [axis] table without steps. With steps it is a mistake for [[axis]].
     const bool is_of_every_float = axis != nullptr && axis->kind == Node::Kind::table && axis->find("steps") == nullptr;
     return root.find("case") != nullptr                       ? SweepKind::cases
            : root.find("search") != nullptr                   ? SweepKind::search

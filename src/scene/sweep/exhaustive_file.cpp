@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
 
-/// The floats on either side of a real number that is not one of them.
+/// The floats on either side of a real number that is not a float itself.
 struct Around {
     float below, above;
 };
@@ -37,11 +37,12 @@ std::string nearest_text(const Real& x) {
     return "the nearest below and above are " + shown(below) + " and " + shown(above);
 }
 
-/// A number that every form is given as it stands.
+/// Reads a number that every form gets unrounded.
 float float_in(TableReader& table, std::string_view key) {
     const Real x = table.number(key);
     if (const auto exact = exact_float(x)) return *exact;
-    table.fail_at(key, "is not a number of binary32, and rounding it would try another place; " + nearest_text(x));
+    table.fail_at(key,
+                  "is not representable in binary32, and rounding it would test another value; " + nearest_text(x));
 }
 
 Vec<float> vec_in(TableReader& table, std::string_view key) {
@@ -50,8 +51,8 @@ Vec<float> vec_in(TableReader& table, std::string_view key) {
     for (int i = 0; i < 3; ++i) {
         const auto exact = exact_float(all[i]);
         if (!exact)
-            table.fail_at(key, "holds a number that is not one of binary32, in place " + std::to_string(i) + "; " +
-                                   nearest_text(all[i]));
+            table.fail_at(key, "holds a number that is not representable in binary32, at index " + std::to_string(i) +
+                                   "; " + nearest_text(all[i]));
         v[i] = *exact;
     }
     return v;
@@ -71,7 +72,7 @@ void ExhaustiveFile::read_path(const std::string& path, const TableReader& table
     const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
     if (found == all.size())
         table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
-                                 (mesh ? std::string(", and those of a mesh stay")
+                                 (mesh ? std::string(", and the numbers of a mesh are fixed")
                                        : " or of its " + std::string(name_of(solid.shape))) +
                                  "; " + toml::did_you_mean(path, all));
     auto& places = found < 6 ? ray_places : solid_places;
@@ -86,11 +87,12 @@ void ExhaustiveFile::read_range(TableReader& table) {
         for (const char* key : {"from", "to"})
             table.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
         if (mesh)
-            table.fail_at("all", "takes NaN and infinities, and no ray that has one crosses a mesh; write from and to");
+            table.fail_at("all",
+                          "includes NaN and infinities, and a ray with one of them crosses no mesh; write from and to");
         if (!solid_places.empty())
-            table.fail_at(
-                "all",
-                "takes NaN, infinities and numbers of either sign, which are not valid for a solid; write from and to");
+            table.fail_at("all",
+                          "includes NaN, infinities and numbers of either sign, which are not valid for a primitive; "
+                          "write from and to");
         ranges_ = {{place_of(0.0F), 0xffffffffU}, {place_of(-0.0F), 0}};
         return;
     }
@@ -107,14 +109,15 @@ void ExhaustiveFile::read_range(TableReader& table) {
 void ExhaustiveFile::read_axis(TableReader& table) {
     axis = read_axis_name(table);
     if (table.string("spacing") != "every_float")
-        table.fail_at("spacing", "must be \"every_float\" beside [[ray]] tables; steps go with a [family] or a scene");
+        table.fail_at("spacing",
+                      "must be \"every_float\" in a file with [[ray]] tables; steps need a [family] or a scene");
     if (table.node("set").kind == Node::Kind::array) {
         for (const std::string& path : table.strings("set")) read_path(path, table);
     } else {
         read_path(table.string("set"), table);
     }
     if (ray_places.empty() && solid_places.empty())
-        table.fail_at("set", "is empty; name a number of the ray or of its solid");
+        table.fail_at("set", "is empty; name a number of the ray or of its primitive");
     read_range(table);
     table.reject_unknown_keys();
 }
@@ -127,8 +130,8 @@ void ExhaustiveFile::check_solids(TableReader& file, const TableReader& of_axis)
             file.table(name).fail_at(broken->key->name, limit_words(solid.shape, *broken->key));
         return;
     }
-    // A limit of lengths holds between two numbers for which it holds. A normal may be 0 between them, and a point on
-    // one line with two others: such a solid is met by nothing (`truth::is_proper`).
+    // If a limit of lengths holds at two numbers, it holds between them. A normal may be 0 between them, and a point
+    // may be on one line with two others: no ray meets such a primitive (`truth::is_proper`).
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (const auto broken = broken_limit(solid_at(float_at(end))))
@@ -148,7 +151,7 @@ void ExhaustiveFile::read_solid(TableReader& file) {
         if (file.has(row.name)) found.push_back(row.shape);
     }
     if (found.size() != 1)
-        toml::fail(file.where(), "a sweep over every float has one solid, " + tables +
+        toml::fail(file.where(), "a sweep over every float needs one primitive, " + tables +
                                      " table, or scene = \"…\", whose mesh its rays cross; write one of them");
     solid = Solid<float>(found.front());
     TableReader table = file.table(name_of(solid.shape));
@@ -180,13 +183,14 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     for (TableReader& table : file.tables("ray")) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
-            table.fail_at("name", "is \"" + ray.name + "\", the name of another ray too; give each its own");
+            table.fail_at("name",
+                          "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
         if (!told_end(solid.shape)) table.reject("tmax", no_end_words(solid.shape));
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
         table.reject_unknown_keys();
         rays.push_back(std::move(ray));
     }
-    if (rays.empty()) toml::fail(file.where(), "a sweep over every float has [[ray]] tables; write at least one");
+    if (rays.empty()) toml::fail(file.where(), "a sweep over every float needs [[ray]] tables; write at least one");
     std::vector<TableReader> axes;
     if (file.has("axis") && file.node("axis").kind == Node::Kind::array) axes = file.tables("axis");
     else axes.push_back(file.table("axis"));
@@ -206,7 +210,7 @@ std::uint64_t ExhaustiveFile::floats() const {
 void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where& where) {
     const auto inside = [&](const Real& x) {
         const auto exact = exact_float(x);
-        if (!exact) toml::fail(where, "a number that is not one of binary32; " + nearest_text(x));
+        if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));
         const std::uint32_t place = place_of(*exact);
         if (std::ranges::none_of(ranges_, [place](const FloatRange& r) {
                 return std::min(r.first, r.last) <= place && place <= std::max(r.first, r.last);

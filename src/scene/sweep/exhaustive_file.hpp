@@ -1,4 +1,4 @@
-// An exhaustive sweep: a number of a ray or of its solid that takes every float of a range, or every float there is.
+// An exhaustive sweep: a number of a ray or of its primitive takes every float of a range, or every float there is.
 #pragma once
 
 #include <filesystem>
@@ -19,47 +19,48 @@
 
 namespace lostbits::scene::sweep {
 
-/// A sweep file with one `[[axis]]` (or `[axis]`), `[[ray]]` tables, and a solid (`[sphere]`, say) or a scene whose
-/// mesh the rays cross. All numbers are binary32.
+/// A sweep file with one `[[axis]]` (or `[axis]`), `[[ray]]` tables, and a primitive (`[sphere]`, say) or a scene
+/// whose mesh the rays cross. All numbers are binary32.
 class ExhaustiveFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
+    /// Throws InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
     ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                    intersect::process::StopToken stop = {});
 
-    /// All forms are judged as if touching were this; absent: each by its own word.
+    /// The convention on touching by which all forms are judged; absent: each form's own.
     std::optional<intersect::Touching> convention;
 
     AxisName axis;
-    /// What the axis sets, all to the same float: origin x, y, z and direction x, y, z of the ray (0 to 5), numbers of
-    /// the solid in its own order.
+    /// The numbers that the axis sets, all to the same float. ray_places: 0 to 5 for origin x, y, z and direction x,
+    /// y, z. solid_places: indices of the numbers of the primitive.
     std::vector<std::size_t> ray_places, solid_places;
 
     struct NamedRay {
         std::string name;
         Ray<float> ray;
-        float tmax = std::numeric_limits<float>::infinity();  ///< where it ends (boxes only)
+        float tmax = std::numeric_limits<float>::infinity();  ///< where the ray ends (boxes only)
     };
     std::vector<NamedRay> rays;
-    Solid<float> solid;  ///< of a sweep across a mesh any triangle
-    /// The triangles of its scene, of which no number moves; null where there is one solid.
+    Solid<float> solid;  ///< any triangle, in a sweep across a mesh
+    /// The triangles of the scene, whose numbers are fixed; null if there is one primitive.
     std::shared_ptr<const rays::MeshColumns> mesh;
     std::optional<file::Scene> scene;
 
-    /// What is tried, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
+    /// The ranges to try, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
     [[nodiscard]] const std::vector<FloatRange>& ranges() const { return ranges_; }
     [[nodiscard]] std::uint64_t floats() const;
-    /// The floats between two others, both of them among those of the file. InputError, `where` in front, otherwise.
+    /// Narrows the sweep to the floats between two others, which must both be floats of the file. Otherwise throws
+    /// InputError with `where` in front.
     void narrow(const Real& from, const Real& to, const toml::Where& where);
 
     [[nodiscard]] bool meets(Shapes forms) const { return forms == solid.shape; }
-    /// A ray and its solid with the axis at a float.
+    /// A ray, and its primitive, with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Solid<float> solid_at(float value) const;
     [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const {
         return group_over(ray, {place_of(value), place_of(value)});
     }
-    /// The same at some floats: where the axis sets numbers of the solid, each ray has a solid of its own.
+    /// The same at several floats. If the axis sets numbers of the primitive, each ray has a primitive of its own.
     [[nodiscard]] rays::RayGroup group_over(std::size_t ray, const FloatRange& floats) const;
 
 private:
@@ -73,7 +74,7 @@ private:
     std::vector<FloatRange> ranges_;
 };
 
-/// x, where it is a number of binary32; otherwise nothing.
+/// Returns x if it is representable in binary32; otherwise nothing.
 std::optional<float> exact_float(const Real& x);
 
 }  // namespace lostbits::scene::sweep

@@ -1,4 +1,4 @@
-// All 2^32 bit patterns of binary32 in one order, and the binades that they fall into.
+// All 2^32 bit patterns of binary32 in one order, and the binades that they belong to.
 #pragma once
 
 #include <bit>
@@ -7,8 +7,8 @@
 
 namespace lostbits::scene::sweep {
 
-/// The place of a float among all: by value, −0 just before +0; the NaNs with a sign come before −∞, the others after
-/// +∞, each by payload. Every 32-bit number is the place of exactly one float.
+/// The position of a float among all of them: by value, with −0 just before +0. NaNs with a sign come before −∞, the
+/// others after +∞, each ordered by payload. Every 32-bit number is the position of exactly one float.
 constexpr std::uint32_t place_of(float x) {
     const auto bits = std::bit_cast<std::uint32_t>(x);
     return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
@@ -17,14 +17,15 @@ constexpr float float_at(std::uint32_t place) {
     return std::bit_cast<float>((place >> 31) != 0 ? place & 0x7fffffffU : ~place);
 }
 
-/// Floats of one sign and one exponent; the subnormals, each zero, each infinity and the NaNs of a sign stand apart.
+/// Floats of one sign and one exponent. The subnormals, each zero, each infinity and the NaNs of a sign are binades of
+/// their own.
 struct Binade {
     enum class Kind { zero, subnormal, normal, infinite, not_a_number };
 
     Kind kind = Kind::zero;
     bool negative = false;
-    int exponent = 0;                 ///< of normal ones: 2^exponent ≤ |x| < 2^(exponent + 1)
-    std::uint32_t low = 0, high = 0;  ///< the places of its first and its last float
+    int exponent = 0;                 ///< of normal floats: 2^exponent ≤ |x| < 2^(exponent + 1)
+    std::uint32_t low = 0, high = 0;  ///< the positions of its first and its last float
 
     /// `+2^-3`, `-subnormal`, `+0`, `-inf`, `+nan`.
     [[nodiscard]] std::string name() const;
@@ -32,20 +33,20 @@ struct Binade {
 
 Binade binade_of(float x);
 
-/// Floats in order from one to another, both included: upwards, or downwards where `last` comes before `first`.
+/// Floats in order from one to another, both included: upwards, or downwards if `last` comes before `first`.
 struct FloatRange {
-    std::uint32_t first = 0, last = 0;  ///< places
+    std::uint32_t first = 0, last = 0;  ///< positions
 
     bool operator==(const FloatRange&) const = default;
 
     [[nodiscard]] bool falls() const { return last < first; }
     [[nodiscard]] std::uint64_t size() const { return std::uint64_t{1} + (falls() ? first - last : last - first); }
-    /// The place after so many steps.
+    /// The position after this many steps.
     [[nodiscard]] std::uint32_t at(std::uint64_t steps) const {
         const auto n = static_cast<std::uint32_t>(steps);
         return falls() ? first - n : first + n;
     }
-    /// How many steps lead there.
+    /// The number of steps to a position.
     [[nodiscard]] std::uint64_t steps_to(std::uint32_t place) const { return falls() ? first - place : place - first; }
 };
 

@@ -8,7 +8,7 @@ using toml::TableReader;
 
 namespace {
 
-/// A file whose one table is changed: paths need not name it.
+/// Reads a file and applies changes to its one table. Their paths need not name the table.
 toml::Node read_changed(const std::filesystem::path& path, const std::string& table, std::vector<toml::Override> set) {
     toml::Node root = toml::read_toml(path);
     for (toml::Override& change : set) {
@@ -40,12 +40,12 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
     thrice("origin");
     thrice("direction");
-    // The one with its first key and most of the others; where none has its first, that may be misspelt.
+    // The shape whose first key and most other keys are present. If no first key is present, it may be misspelt.
     const auto written = [&table](const ShapeRow& row) {
         const auto is = [&table](const Key& key) { return table.has(key.name); };
         return std::pair(is(row.keys.front()), std::ranges::count_if(row.keys, is));
     };
-    shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of several
+    shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of equals
     for (const Key& key : row_of(shape).keys) {
         if (key.count() == 3) thrice(key.name);
         else ranges.push_back(read_range(table, key.name));
@@ -58,24 +58,27 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
         exponents = read_range(table, "exponents");
         for (const double end : {exponents->low, exponents->high}) {
             if (end != std::rint(end) || !(std::fabs(end) <= 1074))
-                table.fail_at("exponents", "are two whole numbers, -1074 to 1074: of the powers of two of its numbers");
+                table.fail_at("exponents",
+                              "must be two whole numbers from -1074 to 1074, the binary exponents of its numbers");
         }
     }
     table.read("at_edge", at_edge);
-    if (at_edge && !row_of(shape).edges) table.reject("at_edge", "needs a box: it is an edge that rays are aimed at");
+    if (at_edge && !row_of(shape).edges)
+        table.reject("at_edge", "needs a box, because rays are aimed at its edges; leave it out");
     table.read("metric", metric);
     table.read("seed", seed, 0, 1LL << 53);
     table.read("starts", starts, 1, 4096);
     table.read("generations", generations, 1, 65536);
     table.read("nearest", nearest);
     if (nearest && !is_round())
-        table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
+        table.reject("nearest",
+                     "needs a sphere, because it minimises the distance to the centre in radii; leave it out");
     table.read("smallest", smallest);
     table.read("hits_only", hits_only);
     hits_only = hits_only || smallest;
     if (hits_only && nearest)
         table.reject(smallest ? "smallest" : "hits_only",
-                     "cannot be combined with nearest, which is about wrong decisions");
+                     "cannot be combined with nearest, which is about wrong decisions; leave one out");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }
@@ -105,7 +108,7 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     TableReader table = file.table("edge_search");
     scene = read_mesh_scene(table, data_dir, stop);
     if (triangle::shared_edges(*scene.mesh).empty())
-        table.fail_at("scene", "has a mesh of which no two triangles share an edge; name another");
+        table.fail_at("scene", "has a mesh in which no two triangles share an edge; name another scene");
     if (table.has("distance")) distance = read_range(table, "distance");
     if (!(distance.low > 0 && distance.high <= 0x1p60))
         table.fail_at("distance", "must lie above 0 and up to 2^60, in lengths of an edge");

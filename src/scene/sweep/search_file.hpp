@@ -1,5 +1,5 @@
-// Searches: of ranges of every number of a ray and a solid, for the worst ray of a form; and along the edges of a mesh,
-// from how near a form lets a ray through one, or counts it twice.
+// Searches in two forms: in ranges of every number of a ray and a primitive, for the worst ray of a form; and along
+// the edges of a mesh, for the smallest distance from which a form lets a ray through an edge or counts it twice.
 #pragma once
 
 #include <cstdint>
@@ -20,64 +20,64 @@ struct SearchedRange {
     [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
 };
 
-/// `key = [low, high]`. InputError with a position where low is above high.
+/// Reads `key = [low, high]`. Throws InputError with a position if low is above high.
 SearchedRange read_range(toml::TableReader& table, std::string_view key);
 
-/// From the origin of a ray to the centre of a round solid.
+/// Distance from the origin of a ray to the centre of a round primitive, in radii.
 double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid);
 
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not a search.
-    /// `set` changes keys of the table first: `starts`, `radius`.
+    /// Throws InputError with a position for anything that is not a search. `set` changes keys of the table first:
+    /// `starts`, `radius`.
     explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set = {});
 
     Shape shape{};
-    /// Whether its solids are round, and so have a distance and an impact in radii.
+    /// True if its primitives are round, so that they have a distance and an impact in radii.
     [[nodiscard]] bool is_round() const { return row_of(shape).round; }
-    /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
+    /// The ranges of origin x, y, z, direction x, y, z, and the primitive's numbers, in this order.
     std::vector<SearchedRange> ranges;
-    /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is
-    /// no surprise; these keep the search to rays that should be easy.
+    /// Spheres only: eye to centre and line to centre, in radii. Losses of far rays and of rays near the silhouette
+    /// are expected; these ranges keep the search to rays that should be easy.
     SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
-    std::string metric = "lost_bits";  ///< made as large as possible; a wrong decision beats any value
-    /// The metric is made as small as possible instead, as of `bound_ratio`; of hits alone.
+    std::string metric = "lost_bits";  ///< to be maximised; a wrong decision counts more than any value
+    /// The metric is minimised instead, as for `bound_ratio`; hits only.
     bool smallest = false;
-    /// Wrong decisions are passed over: the worst of the hits is looked for.
+    /// Wrong decisions are ignored; the search looks for the worst hit.
     bool hits_only = false;
     std::uint64_t seed = 1;
-    int starts = 16;       ///< random rays that the search begins from
-    int generations = 64;  ///< of 32 neighbours each, from every start
-    /// Numbers are drawn as ±m·2^e, e from these whole numbers, each significand m as likely as another or a few last
-    /// places from a power of two, where roundings are largest; and moves also turn single bits and exponents. Without
-    /// it numbers are drawn evenly from their ranges.
+    int starts = 16;       ///< random rays from which the search begins
+    int generations = 64;  ///< number of generations, of 32 neighbours each, from every start
+    /// Numbers are drawn as ±m·2^e with whole e from this range. Each significand m is equally likely, or m is a few
+    /// last places from a power of two, where roundings are largest. Moves also flip single bits and change exponents.
+    /// If absent, numbers are drawn uniformly from their ranges.
     std::optional<SearchedRange> exponents;
-    /// Boxes only: one plane that the ray enters by and one that it leaves by are drawn where the ray passes at once,
-    /// and the others at the ends of their ranges: an edge.
+    /// Boxes only: one plane by which the ray enters and one by which it leaves are drawn where the ray passes at the
+    /// same t, and the others at the ends of their ranges: an edge.
     bool at_edge = false;
-    /// Spheres only: of wrong decisions the one nearest to the sphere, in radii, is the worst; the search does not end
-    /// with the first.
+    /// Spheres only: the worst ray is the wrong decision nearest to the sphere, in radii. The search does not end with
+    /// the first.
     bool nearest = false;
 
-    /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.
+    /// True if a ray and a primitive are in the ranges (the derived ranges to double precision) and are proper.
     [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
 };
 
 /// A sweep file with an `[edge_search]` table.
 class EdgeSearchFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`. `set`
-    /// changes keys of the table first: `rays`, `seed`.
+    /// Throws InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`.
+    /// `set` changes keys of the table first: `rays`, `seed`.
     EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                    const std::vector<toml::Override>& set = {}, intersect::process::StopToken stop = {});
 
-    /// Whose triangles they are: meshes alone, shared by all formats. Its camera plays no part.
+    /// The scene of the triangles: only meshes, shared by all formats. Its camera is not used.
     file::Scene scene;
     SearchedRange distance{1, 0x1p20};  ///< from the eye to the point of an edge, in lengths of the edge
-    int ulps = 2;                       ///< each component of a direction is moved by so many at most
+    int ulps = 2;                       ///< each component of a direction is moved by at most this many
     std::uint64_t seed = 1;
-    std::int64_t rays = 1 << 20;  ///< tried of each form for each outcome
+    std::int64_t rays = 1 << 20;  ///< number of rays tried for each form and each outcome
 
     [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(triangle::Mesh::shape); }
 };

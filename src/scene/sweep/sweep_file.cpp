@@ -26,7 +26,7 @@ namespace {
 
 constexpr long long most_steps = 100000;
 
-/// The one that a file names; null where it names none.
+/// The ray distribution that a file names; null if it names none.
 const FamilyRow* family_of(const toml::Node& root) {
     for (const FamilyRow& row : families())
         if (TableReader(root).has(row.table)) return &row;
@@ -44,7 +44,7 @@ void fill(Axis& axis, TableReader& table) {
                 "leaves more than 100000 floats between from and to; bring them closer together, or try every float "
                 "of one ray: see data/sweeps/exhaustive-distance.toml");
         for (std::uint64_t n = 0; n < floats.size(); ++n) {
-            // A step is a value, and both zeros are one: 0. An [axis] tries each.
+            // A step is a value, and both zeros are one value: 0. An [axis] tries each of them.
             const double x = static_cast<double>(float_at(floats.at(n))) + 0.0;
             if (axis.values.empty() || x != axis.values.back()) axis.values.push_back(x);
         }
@@ -55,7 +55,7 @@ void fill(Axis& axis, TableReader& table) {
         table.fail_at("from", "and to must be positive with spacing = \"log2\"");
     for (long long i = 0; i < steps; ++i) {
         const Real share = Real(i) / Real(steps - 1);
-        // By MPFR: libm's exp2 and log2 differ by machine.
+        // Uses MPFR, because libm's exp2 and log2 differ between machines.
         const Real value = axis.spacing == S::log2
                                ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), share))
                                : Real(Real(axis.from) + share * (Real(axis.to) - Real(axis.from)));
@@ -67,7 +67,7 @@ void fill(Axis& axis, TableReader& table) {
     axis.values.erase(std::unique(axis.values.begin(), axis.values.end()), axis.values.end());
 }
 
-/// A string that is one of the names; a mark that none of them draws would stay away silently.
+/// Reads a string that is one of the names. A mark with an unknown name would silently not be drawn.
 std::string known(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
     std::string name = table.string(key);
     if (std::ranges::find(names, name) == names.end())
@@ -91,14 +91,14 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     axis.spacing = table.one_of<S>("spacing", spacings);
     axis.from = static_cast<double>(table.number("from"));
     axis.to = static_cast<double>(table.number("to"));
-    // Downwards is allowed: an onset is the first trouble in the order of the steps, and some lie below.
+    // The axis may run downwards: an onset is the first problem in the order of the steps, and some are below.
     if (axis.from == axis.to) table.fail_at("to", "equals from, which leaves nothing to sweep");
     fill(axis, table);
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
     const auto bases = table.optional_numbers("bases", paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        // The constants of a march are no part of a family.
+        // The constants of a march are not part of a ray distribution.
         axis.targets.push_back({.path = (paths[i].starts_with("march.") ? "" : prefix) + paths[i],
                                 .factor = factors ? static_cast<double>((*factors)[i]) : 1.0,
                                 .base = bases ? static_cast<double>((*bases)[i]) : 0.0,
@@ -140,7 +140,7 @@ double Axis::middle(double a, double b) const {
     }
     const std::uint32_t low = place_of(static_cast<float>(a)), high = place_of(static_cast<float>(b));
     const std::uint32_t half = low < high ? low + (high - low) / 2 : high + (low - high + 1) / 2;
-    return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros the one above
+    return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros, the one above
 }
 
 SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
@@ -152,7 +152,8 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     convention = read_convention(file);
     read_subject(file, data_dir);
     if (axes.empty() || axes.size() > 2)
-        toml::fail(file.where(), "a sweep has one or two [[axis]] tables, this has " + std::to_string(axes.size()));
+        toml::fail(file.where(),
+                   "a sweep has one or two [[axis]] tables, but this one has " + std::to_string(axes.size()));
     if (axes.size() == 2 && axes[0].name == axes[1].name)
         toml::fail(file.where(),
                    "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
@@ -162,13 +163,13 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     try_both_ends();
 }
 
-/// Puts into the file what belongs there, and keeps for later what belongs to its scene.
+/// Applies changes to the file, and keeps those of its scene for later.
 void SweepFile::change(const SweepChanges& changes) {
     const bool scene = TableReader(root_).has("scene");
     const std::string name = root_.where.source;
     if (changes.size && !scene)
         throw InputError(name +
-                         ": --size is of a scene's picture, and the rays of this sweep are drawn by a family; try "
+                         ": --size is for the picture of a scene, but this sweep draws random rays; try "
                          "--set rays=N or --set views=N");
     size_ = changes.size;
     for (toml::Override change : changes.set) {
@@ -185,8 +186,8 @@ void SweepFile::change(const SweepChanges& changes) {
     if (changes.steps.empty()) return;
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
-        throw InputError(fmt::format("{}: --steps gives {}, and the sweep has {}; give one for all, or one each", name,
-                                     toml::counted(changes.steps.size(), "number"),
+        throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
+                                     name, toml::counted(changes.steps.size(), "number"),
                                      toml::counted(axes_tables.size(), "[[axis]] table")));
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
@@ -199,7 +200,7 @@ void SweepFile::change(const SweepChanges& changes) {
     }
 }
 
-/// What an axis sets anew at every step would swallow such a change without a word.
+/// Refuses a change of a number that an axis sets at every step, because it would silently have no effect.
 void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
     for (const toml::Override& change : changes.set) {
         for (const Axis& axis : axes) {
@@ -208,21 +209,21 @@ void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
                 if (path != change.path && !path.ends_with("." + change.path)) continue;
                 throw InputError(
                     fmt::format("{}: the axis {} sets it at every step; --set 'axis[0].from=VALUE' and "
-                                "'axis[0].to=VALUE' change between what",
+                                "'axis[0].to=VALUE' change its range",
                                 change.where.source, axis.name));
             }
         }
     }
 }
 
-/// What the sweep is over, and its axes, whose paths are those of the subject.
+/// Reads the subject of the sweep, and its axes, whose paths belong to the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
     const auto named = std::ranges::count_if(families(), [&](const FamilyRow& row) { return file.has(row.table); });
     if (named + int{scene.has_value()} != 1)
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", " + tables_of_families() +
-                       "; write one of them, or [[ray]] tables and their solid to try every float of a number");
+                       "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
     const FamilyRow* const family = family_of(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);
@@ -240,7 +241,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
 }
 
-/// Both ends must be possible before the first of a thousand steps is made.
+/// Tries both ends of the axes, so that errors show up before the first of a thousand steps.
 void SweepFile::try_both_ends() {
     for (const bool last : {false, true}) {
         std::vector<double> values;
@@ -288,7 +289,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
-    // A form that marches wants its solids one by one, and spheres beside triangles have no tree.
+    // A form that marches needs its primitives one by one, and spheres beside triangles have no tree.
     if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
     group.solids = group.mesh ? rays::shared_listed(scene) : rays::shared_solids(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
@@ -319,8 +320,8 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     const auto there = std::filesystem::status(name_or_path, none);
     if (std::filesystem::is_regular_file(there)) return name_or_path;
     if (std::filesystem::exists(there) && (!is_directory(there) || name_or_path.ends_with(".toml")))
-        throw InputError(name_or_path + ": is a folder or a pipe; name a .toml file, which may be read twice");
-    // `hard/padding`: by its whole name alone, as the search that found it has the same last part.
+        throw InputError(name_or_path + ": is a folder or a pipe; name a .toml file, because it may be read twice");
+    // `hard/padding` is found only by its whole name, because the search that found it has the same last part.
     if (const auto hard = data_dir / (name_or_path + ".toml");
         name_or_path.starts_with("hard/") && std::filesystem::is_regular_file(hard))
         return hard;
@@ -332,7 +333,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     }
     std::ranges::sort(names);
     if (std::ranges::find(names, name_or_path) != names.end()) return folder / (name_or_path + ".toml");
-    // `near` for `worst/near`, where only one is called so: it is what the file's results are called.
+    // `near` stands for `worst/near` if only one file has that name. The file's results have that name too.
     const auto last_part = [&](const std::string& name) {
         return std::filesystem::path(name).filename() == name_or_path;
     };

@@ -1,4 +1,4 @@
-// A sweep: a scene or a family of rays, and one or two numbers of it that take many values.
+// A sweep: a scene or a ray distribution, and one or two of its numbers that take many values.
 #pragma once
 
 #include <filesystem>
@@ -19,64 +19,65 @@ struct Axis : AxisName {
     double from = 1, to = 2;
     std::vector<double> values;  ///< in order; log2 steps are rounded to 12 significant bits
     struct Target {
-        std::string path;   ///< in the scene, or in the family's table
+        std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
         double base = 0;
         toml::Where where = {};
     };
     std::vector<Target> targets;
 
-    /// Half way between two values in the axis's own spacing; equal to one of them when nothing lies between.
+    /// The middle between two values in the axis's own spacing. It equals one of them if nothing is between.
     [[nodiscard]] double middle(double a, double b) const;
 };
 
-/// What a run changes of a sweep before it begins.
+/// The changes to a sweep before a run begins.
 struct SweepChanges {
-    std::optional<std::pair<int, int>> size = {};  ///< of the picture of its scene: so many rays a step
-    /// Paths as an axis has them: of the scene, or of the family's table; `march.` and `axis[K].` stand beside those.
+    std::optional<std::pair<int, int>> size = {};  ///< of the scene's picture: the number of rays in each step
+    /// Paths as in an axis: of the scene, or of the table of the ray distribution; `march.` and `axis[K].` are allowed
+    /// too.
     std::vector<toml::Override> set = {};
-    std::vector<long long> steps = {};  ///< of each axis, or of the only one
+    std::vector<long long> steps = {};  ///< for each axis, or one for all
 };
 
 class SweepFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not a sweep, and for a change that means nothing to this one. A
-    /// scene is looked up in `data_dir`.
+    /// Throws InputError with a position for anything that is not a sweep, and for a change that has no meaning for
+    /// this one. A scene is looked up in `data_dir`.
     SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
               const SweepChanges& changes = {}, intersect::process::StopToken stop = {});
 
     std::vector<Axis> axes;  ///< one or two
     std::optional<intersect::Touching>
-        convention;  ///< all forms are judged as if touching were this; absent: each by its own word
+        convention;  ///< the convention on touching by which all forms are judged; absent: each form's own
 
-    /// A place on the first axis that a plot points out: a prediction, with the format it is made for (all if empty),
-    /// and perhaps the form whose measured onset is to be drawn beside it.
+    /// A position on the first axis that a plot marks: a prediction, with the format that it is for (all if empty),
+    /// and optionally the form whose measured onset is drawn beside it.
     struct Mark {
         double at;
         std::string label, format;
-        std::string form = {}, event = {}, statistic = {};  ///< as in onsets.csv; empty: nothing beside it
+        std::string form = {}, event = {}, statistic = {};  ///< as in onsets.csv; empty: no onset
         double threshold = 1;
     };
     std::vector<Mark> marks;
 
-    /// Whether the forms for these shapes can handle the sweep.
+    /// True if the forms for these shapes can handle the sweep.
     [[nodiscard]] bool meets(Shapes forms) const {
         return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_).placed(is_placed_);
     }
-    /// The shapes of its solids, each once.
+    /// The shapes of its primitives, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
     [[nodiscard]] bool has_mesh() const { return has_mesh_; }
 
-    /// Of its scene; empty where it has none.
+    /// The path of its scene; empty if there is none.
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
-    /// Whether its rays are drawn at random: those of a family are, those of a scene are not.
+    /// True if its rays are random: those of a ray distribution are, those of a scene are not.
     [[nodiscard]] bool is_drawn() const { return !scene_; }
-    /// The same sweep with the random numbers of the seed that many after its own.
+    /// The same sweep with the random numbers of the seed plus `further`.
     [[nodiscard]] SweepFile drawn_again(int further) const;
 
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
-    /// The first group of the first step: what solids and constants are like.
+    /// The first group of the first step, which shows the kind of primitives and constants.
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
@@ -88,19 +89,19 @@ private:
     toml::Node root_;
     std::optional<file::SceneFile> scene_;
     std::optional<std::pair<int, int>> size_;
-    std::vector<toml::Override> changes_;  ///< of the scene
+    std::vector<toml::Override> changes_;  ///< changes to the scene
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
-    bool is_placed_ = false;  ///< whether solids stand under matrices
+    bool is_placed_ = false;  ///< true if primitives are under matrices
     bool marches_ = false, has_mesh_ = false;
-    intersect::process::StopToken stop_;  ///< of the scene, which each step reads anew
-    std::uint64_t further_ = 0;           ///< added to the seed of the family
+    intersect::process::StopToken stop_;  ///< for the scene, which each step reads again
+    std::uint64_t further_ = 0;           ///< added to the seed of the ray distribution
 };
 
-/// Whether a file says that it is a sweep, of whatever kind. InputError where it cannot be read.
+/// True if a file declares that it is a sweep of any kind. Throws InputError if it cannot be read.
 bool is_sweep_file(const std::filesystem::path& path);
 
-/// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.
+/// Finds a sweep by a path, or by its id in `data_dir/sweeps`. Throws InputError with did-you-mean.
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir);
 
 }  // namespace lostbits::scene::sweep

@@ -23,7 +23,7 @@ using intersect::Touching;
 constexpr std::pair<std::string_view, Touching> conventions[] = {{convention_name(Touching::hit), Touching::hit},
                                                                  {convention_name(Touching::miss), Touching::miss}};
 
-/// `distance, in radii` of `distance_radii`: a name that ends in its unit says it once.
+/// Returns `distance, in radii` for `distance_radii`: a unit at the end of the name is not repeated.
 std::string words_of(std::string name, const std::string& unit) {
     const std::string plural = unit == "r" ? "radii" : unit;
     if (!unit.empty() && name.ends_with("_" + plural)) name.resize(name.size() - plural.size() - 1);
@@ -70,11 +70,11 @@ file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::pat
     const file::Scene& scene = scenes.front();
     if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
     if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())
-        table.fail_at("scene", "has no mesh, or other solids beside it; name a scene of meshes alone");
+        table.fail_at("scene", "has no mesh, or has other primitives too; name a scene that has only meshes");
     if (scene.mesh_placed)
-        table.fail_at("scene", "has its mesh under a matrix; name one whose vertices stand where they are");
+        table.fail_at("scene", "has its mesh under a matrix; name a scene whose mesh has no transform");
     if (scene.inputs != file::Inputs::shared)
-        table.fail_at("scene", "has inputs = \"own\"; name one whose vertices are the same in every format");
+        table.fail_at("scene", "has inputs = \"own\"; name a scene whose vertices are the same in every format");
     return scene;
 }
 

@@ -23,12 +23,12 @@ ByteSource::ByteSource(const std::filesystem::path& path, intersect::process::St
     if (size_ || (opens == Opens::any && !S_ISDIR(status.st_mode))) return;
     ::close(fd_);
     throw InputError(name_ + (S_ISDIR(status.st_mode) ? ": is a folder; name a file in it"
-                                                      : ": is a pipe or a device, and a file is read here; write what "
-                                                        "it gives to a file first"));
+                                                      : ": is a pipe or a device, but a file is needed here; write "
+                                                        "its output to a file first"));
 }
 
 void ByteSource::open(Opens opens) {
-    // A pipe that nobody writes to would keep `open` waiting; of a file O_NONBLOCK changes nothing.
+    // `open` would wait for a pipe that nobody writes to. O_NONBLOCK changes nothing for a file.
     const int flags = O_RDONLY | O_CLOEXEC | (opens == Opens::files ? O_NONBLOCK : 0);
     do {
         stop_.check();
@@ -37,7 +37,7 @@ void ByteSource::open(Opens opens) {
     if (fd_ >= 0) return;
     const int error = errno;
     if (error == ENOENT || error == ENOTDIR)
-        throw InputError(name_ + ": there is no such file; look at its name and the folder you are in");
+        throw InputError(name_ + ": there is no such file; check its name and the current folder");
     if (error == ELOOP || error == ENAMETOOLONG || error == ENXIO)
         throw InputError(name_ + ": is not a file: " + std::strerror(error) + "; name one");
     fail(std::string("cannot open: ") + std::strerror(error));
@@ -51,8 +51,8 @@ template <class ReadSome>
 std::size_t ByteSource::fill(std::string& to, std::size_t most, const ReadSome& read_some) const {
     constexpr std::size_t first_piece = std::size_t{1} << 20;
     const std::size_t begin = to.size();
-    // A file is most often shorter than a block of it, and clearing a buffer takes longer than reading. A pipe gets
-    // twice what it has filled so far.
+    // A file is usually shorter than a block, and clearing a buffer takes longer than reading into it. For a pipe the
+    // buffer doubles each time it is full.
     to.resize(begin + static_cast<std::size_t>(std::min<std::uint64_t>(most, size_ ? *size_ + 1 : first_piece)));
     std::size_t got = 0;
     while (got < most) {

@@ -1,4 +1,4 @@
-// The bytes of a file or a pipe, a piece at a time.
+// Reads the bytes of a file or a pipe, a piece at a time.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace lostbits::scene::toml {
 
-/// The kinds of files that are opened: `files` alone, which have a size and an end, or `any`, pipes and devices too.
+/// The kinds of files that may be opened: `files` have a size and an end; `any` adds pipes and devices.
 enum class Opens { any, files };
 
-/// Open while it lives. Throws InputError where there is no such file, or one of another kind, EnvironmentError where
-/// the machine does not let us read it, Interrupted where the work is asked to end, also while a pipe has no bytes yet.
+/// A file that is open as long as the object lives. Throws InputError if the file does not exist or is of another
+/// kind, EnvironmentError if the machine cannot read it, and Interrupted if it is stopped, also while a pipe has no
+/// bytes yet.
 class ByteSource {
 public:
     ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop, Opens opens = Opens::any);
@@ -23,17 +24,17 @@ public:
     ByteSource& operator=(const ByteSource&) = delete;
 
     [[nodiscard]] const std::string& name() const { return name_; }
-    /// Of a regular file; nothing of a pipe.
+    /// Size of a regular file; nothing for a pipe.
     [[nodiscard]] std::optional<std::uint64_t> size() const { return size_; }
-    /// Appends up to so many of the next bytes; the number of them, less at the end alone.
+    /// Appends up to `most` of the next bytes. Returns their number, which is less only at the end.
     std::size_t read(std::string& to, std::size_t most);
-    /// Appends so many bytes from a place in a regular file; as above.
+    /// Appends up to `most` bytes from a position in a regular file. Returns the same.
     std::size_t read_at(std::uint64_t place, std::string& to, std::size_t most) const;
 
 private:
     void open(Opens opens);
     [[noreturn]] void fail(const std::string& what) const;
-    /// Appends up to so many bytes; `read_some(buffer, size, got)` is asked for them until it has none.
+    /// Appends up to `most` bytes. Calls `read_some(buffer, size, got)` until it returns none.
     template <class ReadSome>
     std::size_t fill(std::string& to, std::size_t most, const ReadSome& read_some) const;
 

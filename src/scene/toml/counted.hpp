@@ -1,4 +1,4 @@
-// Counts in words: `1 ray`, `2 rays`.
+// Counts with their noun: `1 ray`, `2 rays`.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace lostbits::scene::toml {
 
-/// `thing` is what one of them is called; `things` what several are, where that is more than an s behind it.
+/// `thing` is the noun for one; `things` is the plural if it is not just `thing` and an s.
 template <class Count>
 std::string counted(Count n, std::string_view thing, std::string_view things = {}) {
     std::string text = std::to_string(n) + " ";

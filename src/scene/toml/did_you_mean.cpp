@@ -16,7 +16,7 @@ int most_edits(std::size_t letters) {
     return static_cast<int>(letters / 3);
 }
 
-/// The candidate that `fits`, if one alone does.
+/// Returns the candidate that `fits`, if there is only one.
 template <class Fits>
 std::optional<std::string> only_one(const std::vector<std::string>& candidates, const Fits& fits) {
     const auto found = std::ranges::find_if(candidates, fits);
@@ -24,7 +24,7 @@ std::optional<std::string> only_one(const std::vector<std::string>& candidates, 
     return *found;
 }
 
-/// Whether the letters of `part` stand in `whole` in their order, from the first on.
+/// True if the letters of `part` appear in `whole` in their order, beginning with its first letter.
 bool is_left_of(std::string_view part, std::string_view whole) {
     if (part.size() < 3 || part.front() != whole.front()) return false;
     std::size_t at = 0;
@@ -45,7 +45,7 @@ std::string excerpt(std::string_view text) {
 std::string quoted_excerpt(std::string_view text) { return '"' + excerpt(text) + '"'; }
 
 int edit_distance(std::string_view a, std::string_view b) {
-    // Three rows of the table are alive: a swap looks two rows back.
+    // Three rows of the table are kept, because a swap looks two rows back.
     std::vector<int> two_back(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
     for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -65,13 +65,12 @@ int edit_distance(std::string_view a, std::string_view b) {
 
 namespace {
 
-/// The candidate, or the part of one, that takes fewest edits so far.
+/// Keeps the candidate, whole or by a part of it, that takes the fewest edits so far.
 class Fewest {
 public:
     explicit Fewest(std::string_view word) : edits(most_edits(word.size()) + 1), word_(word) {}
     void consider(std::string_view part, const std::string& candidate) {
-        // Each edit changes the length by one at most; a name of a megabyte is near to nothing, and that is known at
-        // once.
+        // Each edit changes the length by at most one, so a name of a megabyte is rejected at once.
         const std::size_t longer = std::max(word_.size(), part.size()), shorter = std::min(word_.size(), part.size());
         if (longer - shorter >= static_cast<std::size_t>(edits)) return;
         const int needed = edit_distance(word_, part);
@@ -101,13 +100,13 @@ std::optional<std::string> slip_of(std::string_view word, const std::vector<std:
 
 std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
     Fewest fewest = fewest_edits(word, candidates);
-    // A name that was not ended, or that ends otherwise: `sphere-dist`, `ulps`.
+    // A name that is not complete, or has another ending: `sphere-dist`, `ulps`.
     if (fewest.edits > 1 && word.size() >= 3) {
         const std::string_view begin = word.substr(0, std::max<std::size_t>(3, word.size() - 1));
         for (const std::string_view start : {word, begin})
             if (auto one = only_one(candidates, [&](const std::string& c) { return c.starts_with(start); })) return one;
     }
-    // Where no whole name is near, the last part of one will do: `unified` is `sphere.unified`.
+    // If no whole name is near, compare the last part of the names: `unified` is `sphere.unified`.
     if (fewest.best || word.find_first_of("./") != std::string_view::npos) return fewest.best;
     for (const std::string& candidate : candidates) {
         const auto dot = candidate.find_last_of("./");

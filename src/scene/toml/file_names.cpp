@@ -13,12 +13,13 @@ namespace lostbits::scene::toml {
 std::string result_name(const std::filesystem::path& file) {
     std::string name = file.stem().string();
     if (name.starts_with('.'))
-        throw InputError(file.string() +
-                         ": results are called as the file without its ending, and this name gives none; rename it to "
-                         "start with a letter");
+        throw InputError(
+            file.string() +
+            ": results are named after the file without its ending, and this name leaves nothing; rename it to "
+            "start with a letter");
     if (std::ranges::any_of(name, [](unsigned char c) { return c < ' ' || c == 0x7F; }))
         throw InputError(file.string() +
-                         ": results are called as the file without its ending, and this name has a line break or "
+                         ": results are named after the file without its ending, and this name has a line break or "
                          "another control character; rename it");
     return name;
 }
@@ -40,7 +41,7 @@ std::string nearby_file(const std::filesystem::path& path) {
 
 std::string words_about(const std::filesystem::filesystem_error& error) {
     const std::string path = error.path1().string();
-    return (path.empty() ? "a path" : path) + ": the system does not follow it: " + error.code().message() +
+    return (path.empty() ? "a path" : path) + ": the system cannot resolve it: " + error.code().message() +
            "; check the path, and the links on it";
 }
 

@@ -18,7 +18,7 @@ struct Noted {
 };
 
 std::mutex noted_mutex;
-std::vector<Noted> noted_by_run;  ///< of each that lives, the youngest last
+std::vector<Noted> noted_by_run;  ///< one for each object that lives, the youngest last
 
 void note(const std::filesystem::path& path, bool written) {
     struct stat info {};
@@ -27,11 +27,12 @@ void note(const std::filesystem::path& path, bool written) {
     const std::lock_guard lock(noted_mutex);
     if (noted_by_run.empty()) return;
     Noted& all = noted_by_run.back();
-    // Before the check: a reader's error may end as a claim's, and the writer is to know of it.
+    // Insert before the check: a reader's error may end as the error of a claim, and the writer must still know of the
+    // file.
     (written ? all.written : all.read).insert(file);
     if ((written ? all.read : all.written).contains(file))
         throw InputError(path.string() +
-                         ": is read by this run, whose results would take its place; choose another place for them");
+                         ": is read by this run, and its results would overwrite it; choose another path for them");
 }
 
 }  // namespace

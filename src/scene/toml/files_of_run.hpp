@@ -1,15 +1,16 @@
-// What a run reads it does not write: no scene, sweep, claim, file of rays or library ends as somebody's results.
+// Keeps a run from writing a file that it reads, so that no scene, sweep, claim, file of rays or library is
+// overwritten.
 #pragma once
 
 #include <filesystem>
 
 namespace lostbits::scene::toml {
 
-/// While one lives, the readers note what is read and the writers what is written; without one nothing is noted. Of
-/// several the youngest counts.
+/// Records the files of a run. While an object lives, readers record what they read and writers what they write.
+/// Without one, nothing is recorded. If there are several, the youngest counts.
 ///
-/// Files are told apart by device and number, so a link or another way to write a path leads to the same file. Devices,
-/// pipes and what does not exist yet are nobody's.
+/// Files are compared by device and number, so a link or another spelling of a path is the same file. Devices, pipes
+/// and files that do not exist yet are not recorded.
 class FilesOfRun {
 public:
     FilesOfRun();
@@ -18,10 +19,10 @@ public:
     FilesOfRun& operator=(const FilesOfRun&) = delete;
 };
 
-/// Of a reader, before it reads. InputError where the run writes that file.
+/// Called by a reader before it reads. Throws InputError if the run writes that file.
 void note_read(const std::filesystem::path& path);
 
-/// Of a writer, before it replaces or removes what is there. InputError where the run reads that file.
+/// Called by a writer before it replaces or removes a file. Throws InputError if the run reads that file.
 void note_written(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::toml

@@ -9,7 +9,7 @@
 namespace lostbits::scene::toml {
 namespace {
 
-/// A key, or with `is_index` the position in an array; `end` is where it ends in the path.
+/// A key, or with `is_index` an index of an array; `end` is its end in the path.
 struct Step {
     bool is_index;
     std::string key;
@@ -45,7 +45,7 @@ std::vector<Step> steps_of(const Override& change) {
     }
 }
 
-/// What to write after an array for a key: that of one of its tables, or for a letter of a vector the place.
+/// What to write after an array for a key: the key of its first table, or the index of x, y or z in a vector.
 std::string in_array(const Node& array, const std::string& key) {
     if (array.items.empty() || array.items.front().kind == Node::Kind::table) return "[0]." + key;
     const std::size_t place = key.size() == 1 ? std::string_view("xyz").find(key) : std::string_view::npos;
@@ -72,7 +72,7 @@ void apply_override(Node& root, const Override& change) {
                     node->items.empty() ? "" : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
                 fail(change.where, unknown + here + " is " + node->describe() + advice);
             }
-            node->where = change.where;  // what is wrong with the whole is now the override's doing
+            node->where = change.where;  // errors about the whole value now name the override
             node = &node->items[step.index];
         } else {
             if (node->kind == Node::Kind::array)

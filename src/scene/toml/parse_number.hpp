@@ -1,4 +1,4 @@
-// Numbers as people write them, into the ideal numbers of a scene.
+// Reads numbers as people write them into the ideal numbers of a scene.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace lostbits::scene::toml {
 
-/// Why a text is not a number, as the end of a sentence: `is not a number; …`, with what to try.
+/// The reason why a text is not a number, as the end of a sentence with advice: `is not a number; …`.
 struct NumberFault {
     std::string why;
     bool too_large = false;  ///< a number, but above the largest binary64
@@ -17,9 +17,10 @@ struct NumberFault {
 
 /// Reads a decimal (`4100`, `-0.1`, `1e-3`) or a hexadecimal float (`0x1.004p+12`; the exponent is optional).
 ///
-/// The text is taken exactly and rounded *once*, to the width of `Real`, and to odd: a result that is not exact ends
-/// in a set bit. Rounding it on to any format of at most 53 bits then gives what rounding the text itself would
-/// (Boldo and Melquiond, 2008), however many digits it has; nearest would not, next to the middle of two neighbours.
+/// The text is taken exactly and rounded *once*, to the width of `Real` and to odd: an inexact result ends in a set
+/// bit. Rounding it further to any format of at most 53 bits then gives the same as rounding the text itself (Boldo
+/// and Melquiond, 2008), however many digits it has. Rounding to nearest would not, close to the middle of two
+/// neighbours.
 ///
 /// Infinities, NaN and magnitudes above the largest binary64 are faults. Tiny numbers stay non-zero.
 std::variant<Real, NumberFault> parse_number(std::string_view text);

@@ -14,7 +14,7 @@ namespace {
 
 bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.'; }
 
-/// The text without the spaces around its operators; "1 2" is not twelve.
+/// Returns the text without the spaces around its operators; "1 2" is not twelve.
 std::string text_of(const Node& node) {
     if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
     if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating)
@@ -34,7 +34,7 @@ std::string text_of(const Node& node) {
     return out;
 }
 
-/// ⌊n/d⌋ for negative n too.
+/// ⌊n/d⌋, also for negative n.
 int floor_quotient(int n, int d) { return n / d - (n % d < 0 ? 1 : 0); }
 
 bool ends(std::string& text, std::string_view tail) {
@@ -50,7 +50,7 @@ Exponent::Exponent(const Node& node) {
     const auto bad = [&] {
         fail(node.where,
              "\"" + text +
-                 "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each perhaps over 2 "
+                 "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each optionally divided by 2 "
                  "or 4, such as \"emax/2 + 1\"");
     };
     std::size_t at = 0;

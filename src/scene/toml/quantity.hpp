@@ -1,4 +1,4 @@
-// Numbers that mean the same thing in every format: "the largest", "one ulp above 3", "2 to the half of emax".
+// Numbers with the same meaning in every format: "the largest", "one ulp above 3", "2 to the half of emax".
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace lostbits::scene::toml {
 
-/// A power of two by the numbers of a format: `12`, `emax/2 + 1`, `emin - p`, `emax/4`. Quotients are rounded down.
+/// A power of two by the parameters of a format: `12`, `emax/2 + 1`, `emin - p`, `emax/4`. Quotients are rounded down.
 class Exponent {
 public:
     Exponent() = default;
-    /// InputError at `node` for anything else; it may be a whole number or a string.
+    /// Reads a whole number or a string. Throws InputError at `node` for anything else.
     explicit Exponent(const Node& node);
     [[nodiscard]] int in(const FloatFormat& f) const;
 
@@ -26,14 +26,15 @@ private:
     std::vector<Term> terms_;
 };
 
-/// One number of a ray or solid: a number as everywhere; `nan`, `inf`; `max` (largest finite), `min` (smallest
-/// normal), `tiny` (smallest subnormal); any of them with a sign, and with `+ ulp` or `- ulp` the neighbour above or
+/// One number of a ray or a primitive: an ordinary number; `nan`, `inf`; `max` (largest finite), `min` (smallest
+/// normal), `tiny` (smallest subnormal). Each may have a sign, and `+ ulp` or `- ulp` for the neighbour above or
 /// below.
 class Quantity {
 public:
-    /// InputError at `node` for anything else. `special` allows nan and inf.
+    /// Reads a quantity. `special` allows nan and inf. Throws InputError at `node` for anything else.
     Quantity(const Node& node, bool special);
-    /// base·2^exponent rounded once to the format, then moved to its neighbour. Words of the format are not scaled.
+    /// base·2^exponent rounded once to the format, then moved to its neighbour. `max`, `min` and `tiny` are not
+    /// scaled.
     [[nodiscard]] double in(const FloatFormat& f, int exponent) const;
 
 private:

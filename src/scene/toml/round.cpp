@@ -12,7 +12,7 @@ double round_to_format(const Real& x, const FloatFormat& f) {
     mpfr_ptr raw = scaled.backend().data();
     if (mpfr_regular_p(raw) == 0) return mpfr_get_d(raw, MPFR_RNDN);
 
-    // In units of F's last place at x the answer is an integer of at most p bits (or 2^p), which Real holds exactly.
+    // In units of F's last place at x, the result is an integer of at most p bits (or 2^p), which Real holds exactly.
     const bool negative = mpfr_signbit(raw) != 0;
     const long last_place = ulp_exponent(f, static_cast<long>(mpfr_get_exp(raw)) - 1);
     mpfr_div_2si(raw, raw, last_place, MPFR_RNDN);

@@ -1,4 +1,4 @@
-// From the ideal numbers of a scene to the numbers of a format: one correct rounding each, never two.
+// Rounds the ideal numbers of a scene to a format: one correct rounding each, never two.
 #pragma once
 
 #include "number/format.hpp"
@@ -6,11 +6,12 @@
 
 namespace lostbits::scene::toml {
 
-/// RN_F(x): x rounded once to nearest, ties to even, in format F, held in a double (every number of a format is
-/// one). Subnormals are F's own; magnitudes of (2 − 2^−p)·2^emax and above become infinite; a zero keeps x's sign.
+/// RN_F(x): x rounded once to nearest, ties to even, in format F, and returned as a double, which holds every number
+/// of a format. Subnormals are those of F. Magnitudes of (2 − 2^−p)·2^emax and above become infinite. A zero keeps x's
+/// sign.
 double round_to_format(const Real& x, const FloatFormat& f);
 
-/// x to 12 significant bits: a few such numbers have exact products and sums in binary32.
+/// Rounds x to 12 significant bits. A few such numbers have exact products and sums in binary32.
 double to_12_bits(double x);
 
 }  // namespace lostbits::scene::toml

@@ -61,13 +61,14 @@ std::vector<Real> as_numbers(const Node& node, const std::string& name, std::siz
     return values;
 }
 
-/// Text goes to terminals, tables and pages: a character that a terminal would obey is a mistake, or worse.
+/// Returns a text without control characters. Text goes to terminals, tables and pages, and a character that a
+/// terminal would obey is a mistake, or worse.
 const std::string& as_text(const Node& node, const std::string& name) {
     require_kind(node, Kind::string, name, "a string");
     unsigned char before = 0;
     for (const char c : node.text) {
         const auto byte = static_cast<unsigned char>(c);
-        // U+0080 to U+009F, \xC2 in front of such a byte, begin what ESC and a letter do: U+009B is ESC [.
+        // U+0080 to U+009F, which are \xC2 and such a byte, begin what ESC and a letter begin: U+009B is ESC [.
         const bool of_eight_bits = before == 0xC2 && byte >= 0x80 && byte < 0xA0;
         before = byte;
         if (!of_eight_bits && ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t')) continue;
@@ -113,7 +114,7 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
     const Node* node = seek(key);
     if (node != nullptr) return *node;
     const std::string missing = path_to(key) + " is missing";
-    // A misspelt key shows as a missing one first: point at the misspelling.
+    // A misspelt key shows up as a missing key first, so the error points at the misspelling.
     std::vector<std::string> unread;
     for (const std::string& present : table_->keys())
         if (std::find(asked_for_.begin(), asked_for_.end(), present) == asked_for_.end()) unread.push_back(present);
@@ -132,8 +133,9 @@ std::string TableReader::title(std::string_view key) {
     std::string text = string(key);
     if (text.size() > most_title_bytes)
         fail_at(key,
-                fmt::format("has {} bytes, and stands on every picture; {} are enough, note = \"...\" takes the rest",
-                            text.size(), most_title_bytes));
+                fmt::format(
+                    "has {} bytes, but every picture shows it; use at most {}, and put the rest into note = \"...\"",
+                    text.size(), most_title_bytes));
     return text;
 }
 

@@ -17,10 +17,10 @@
 
 namespace lostbits::scene::toml {
 
-/// Reads one table, key by key, and remembers which keys were asked for: at the end `reject_unknown_keys` knows the
-/// rest to be mistakes. `x(key)` demands the key, `optional_x(key)` does not; a key of the wrong type, a number that
-/// is not finite or a missing key is an InputError at the value (a missing key: at the table).
-/// The tree must outlive the reader.
+/// Reads one table, key by key, and records the keys that it was asked for. At the end, `reject_unknown_keys` reports
+/// all others as mistakes. `x(key)` requires the key, `optional_x(key)` does not. A key of the wrong type and a number
+/// that is not finite are an InputError at the value; a missing key is one at the table. The tree must outlive the
+/// reader.
 class TableReader {
     template <class T, class... Args>
     std::optional<T> optional(std::string_view key, T (TableReader::*reader)(std::string_view, Args...), Args... args) {
@@ -28,11 +28,11 @@ class TableReader {
     }
 
 public:
-    /// `path` is what errors and overrides call the table: `camera`, `sphere[0]`, empty for the file itself.
+    /// `path` is the name of the table in errors and overrides: `camera`, `sphere[0]`, empty for the file itself.
     explicit TableReader(const Node& table, std::string path = "");
 
     std::string string(std::string_view key);
-    /// The same, for a text that pictures carry.
+    /// Reads a string that pictures show, with a limit on its length.
     std::string title(std::string_view key);
     static constexpr std::size_t most_title_bytes = 400;  ///< a dozen lines on the narrowest sheet
     std::optional<std::string> optional_string(std::string_view key) { return optional(key, &TableReader::string); }
@@ -55,7 +55,7 @@ public:
     /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
     Real number(std::string_view key);
     std::optional<Real> optional_number(std::string_view key) { return optional(key, &TableReader::number); }
-    /// Sets `x` to the number in [lowest, highest], where there is one.
+    /// Sets `x` to the number in [lowest, highest], if the key is present.
     void read_number(std::string_view key, double& x, double lowest, double highest);
     /// `count` numbers, or any positive number of them for count = 0.
     std::vector<Real> numbers(std::string_view key, std::size_t count = 0);
@@ -75,7 +75,7 @@ public:
         return has(key) ? std::optional(one_of(key, choices)) : std::nullopt;
     }
 
-    /// Sets `x` to what stands at the key, where there is one: what a missing key stands for is said where `x` is.
+    /// Sets `x` to the value of the key, if it is present. The default is documented at `x`.
     void read(std::string_view key, std::string& x);
     void read(std::string_view key, bool& x);
     void read(std::string_view key, Vec<Real>& x);
@@ -91,23 +91,23 @@ public:
     }
 
     [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
-    /// The value as it stands, for a notation of its own; `expected` is what to write where it is missing.
+    /// Returns the value itself, for a notation of its own. `expected` says what to write if it is missing.
     const Node& node(std::string_view key, std::string_view expected = "a value");
 
     TableReader table(std::string_view key);
     std::optional<TableReader> optional_table(std::string_view key) { return optional(key, &TableReader::table); }
-    /// The elements of an array of tables, `[[key]]`; none when the key is missing.
+    /// Returns the elements of an array of tables, `[[key]]`; none if the key is missing.
     std::vector<TableReader> tables(std::string_view key);
 
-    /// A key that has no meaning here for the given reason: `why` goes on after `path.key`.
+    /// Rejects a key that has no meaning here. `why` continues the sentence after `path.key`.
     void reject(std::string_view key, std::string_view why);
-    /// Call last: every key that nothing asked for is an error with did-you-mean.
+    /// Call this last: every key that nothing asked for is an error with did-you-mean.
     void reject_unknown_keys() const;
 
-    /// Where the value stands; the table, if the key is missing.
+    /// Position of the value, or of the table if the key is missing.
     [[nodiscard]] Where where(std::string_view key) const;
     [[nodiscard]] Where where() const { return table_->where; }
-    /// `camera.eye`.
+    /// Path of a key, as in `camera.eye`.
     [[nodiscard]] std::string path_to(std::string_view key) const;
     /// Throws InputError `file:line:col: path.key message`.
     [[noreturn]] void fail_at(std::string_view key, const std::string& message) const;
@@ -129,7 +129,8 @@ private:
     std::vector<std::string> asked_for_;
 };
 
-/// Checks the key `schema` of a file against e.g. "lostbits-scene/1". A missing, another or a newer one is an error.
+/// Checks the key `schema` of a file against e.g. "lostbits-scene/1". A missing, a different or a newer one is an
+/// error.
 void require_schema(TableReader& file, std::string_view schema);
 
 }  // namespace lostbits::scene::toml

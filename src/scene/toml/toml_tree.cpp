@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_bytes = std::size_t{16} << 20;
 
-/// Turns toml++'s tree into ours. A float is read again from the text: toml++ keeps only the nearest double.
+/// Converts toml++'s tree to ours. A float is read again from the text, because toml++ keeps only the nearest double.
 class Converter {
 public:
     Converter(std::string_view text, std::string source) : source_(std::move(source)) {
@@ -33,7 +33,7 @@ public:
             node.kind = Node::Kind::table;
             for (auto&& [key, value] : *table)
                 node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
-            // toml++ sorts by name; overrides apply in the order of writing.
+            // toml++ sorts by name, but overrides apply in the order of writing.
             std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
                 return std::pair(a.key_where.line, a.key_where.column) <
                        std::pair(b.key_where.line, b.key_where.column);
@@ -72,8 +72,8 @@ private:
         return digits;
     }
 
-    /// Columns count characters: the bytes that go on with one in UTF-8 are not counted. A million numbers may stand in
-    /// one line, so the line that was asked about last is counted once.
+    /// Returns the byte of a column. Columns count characters, so the continuation bytes of UTF-8 are not counted. A
+    /// million numbers may be in one line, so the characters of the last line are kept.
     [[nodiscard]] std::size_t byte_of(const Where& where, std::string_view line) const {
         if (where.line != counted_line_) {
             counted_line_ = where.line;
@@ -88,7 +88,7 @@ private:
     std::string source_;
     std::vector<std::string_view> lines_;
     mutable int counted_line_ = 0;
-    mutable std::vector<std::uint32_t> begins_;  ///< of the characters of that line
+    mutable std::vector<std::uint32_t> begins_;  ///< starts of the characters of that line
 };
 
 Node parse(std::string_view text, const std::string& source) {
@@ -171,7 +171,8 @@ Node Node::of_array(std::vector<Node> items, Where where) {
 
 namespace {
 
-/// toml++ 3.3 recurses once a part of a dotted key and overflows the stack on a key of 50000 parts.
+/// Refuses very long keys: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key of
+/// 50000 parts.
 void reject_endless_keys(const std::string& text, const std::string& source) {
     constexpr int most_parts = 256;
     int line = 1, dots = 0;
@@ -216,10 +217,10 @@ Override parse_override(std::string_view assignment, std::string_view option) {
         try {
             value = parse("value = " + text, "").entries.at(0).value;
         } catch (const InputError&) {
-            // Not TOML: a bare word or a hexadecimal float, which its reader judges as the string that it is.
+            // Not TOML: a bare word or a hexadecimal float. Its reader handles it as a string.
         }
     }
-    // No column inside the value is worth reporting: the option is the place.
+    // The option is the position, so no column inside the value is reported.
     const auto relocate = [&where](auto&& self, Node& node) -> void {
         node.where = where;
         for (Node& item : node.items) self(self, item);

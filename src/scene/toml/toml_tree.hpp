@@ -1,5 +1,5 @@
-// A TOML file as a tree of our own: every value knows where it was written and, for a float, its digits as written.
-// toml++ stops at toml_tree.cpp.
+// A TOML file as a tree of our own. Every value knows where it was written and, for a float, its digits as written.
+// Only toml_tree.cpp uses toml++.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 
 namespace lostbits::scene::toml {
 
-/// A place in a file (line and column from 1, columns in characters), or, with line 0, an option of the command line.
+/// A position in a file (line and column from 1, columns in characters) or, with line 0, an option of the command
+/// line.
 struct Where {
     std::string source;
     int line = 0;
@@ -25,7 +26,7 @@ struct Where {
 /// Throws InputError `where: message`.
 [[noreturn]] void fail(const Where& where, const std::string& message);
 
-/// One value. A closed set of kinds; dates are kept as `other`, since nothing here wants one.
+/// One value. The set of kinds is closed; dates are kept as `other`, because nothing uses them.
 struct Node {
     enum class Kind { table, array, string, integer, floating, boolean, other };
     struct Entry;
@@ -41,7 +42,7 @@ struct Node {
     [[nodiscard]] const Node* find(std::string_view key) const;
     [[nodiscard]] Node* find(std::string_view key);
     [[nodiscard]] std::vector<std::string> keys() const;
-    /// `the string "abc"`, `an array of 3`, …: what an error says was found.
+    /// `the string "abc"`, `an array of 3`, …: the found value in the words of an error.
     [[nodiscard]] std::string describe() const;
 
     static Node of_string(std::string text, Where where);
@@ -56,26 +57,26 @@ struct Node::Entry {
     Node value;
 };
 
-/// Parses a file. InputError with a position when it is missing, a folder, over 16 MiB or no TOML,
-/// EnvironmentError when it is not readable, Interrupted when the work is asked to end, also while a pipe has no bytes.
+/// Parses a file. Throws InputError with a position if it is missing, a folder, over 16 MiB or not TOML,
+/// EnvironmentError if it is not readable, and Interrupted if it is stopped, also while a pipe has no bytes.
 Node read_toml(const std::filesystem::path& path, intersect::process::StopToken stop = {});
 
-/// A change to a tree before anything interprets it: variants, `--set` and sweep axes are all lists of these.
+/// A change to a tree before it is interpreted: variants, `--set` and sweep axes are all lists of these.
 struct Override {
     std::string path;  ///< `sphere[0].radius`, `camera.eye`, `sphere[0].centre[2]`: keys and indices from 0
     Node value;
-    Where where;  ///< of the path, for errors
+    Where where;  ///< position of the path, for errors
 };
 
-/// `path=value`, the value in TOML's notation; a text that is none is taken as a string (`camera.kind=pinhole`).
-/// Errors start with `option` and the text itself.
+/// Reads `path=value` with the value in TOML's notation. A text that is not TOML is taken as a string
+/// (`camera.kind=pinhole`). Errors start with `option` and the text itself.
 Override parse_override(std::string_view assignment, std::string_view option = "--set");
 
-/// Puts the value at the path. The last key of a path may be new to its table: whoever reads the table decides
-/// whether it is known. Anything before it must exist. InputError with did-you-mean otherwise.
+/// Sets the value at the path. The last key of a path may be new to its table; the reader of the table decides if it
+/// is known. Everything before it must exist, else InputError with did-you-mean.
 void apply_override(Node& root, const Override& change);
 
-/// The overrides that a table of `"path" = value` stands for; plain tables inside it extend the path.
+/// Returns the overrides of a table of `"path" = value`. Plain tables inside it extend the path.
 std::vector<Override> overrides_in(const Node& table);
 
 }  // namespace lostbits::scene::toml

@@ -37,7 +37,7 @@ struct Box {
         const T half = T(1) / T(2);
         return {half * lo + half * hi, half * length(Vec<T>(hi - lo))};
     }
-    /// The point at these shares of its sides.
+    /// The point at these fractions of its sides.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return {lo.x + u.x * (hi.x - lo.x), lo.y + u.y * (hi.y - lo.y), lo.z + u.z * (hi.z - lo.z)};
     }
@@ -51,7 +51,7 @@ struct Box {
         return to;
     }
 
-    /// entry = (lo − o)/d and exit = (hi − o)/d where d > 0, the other way round where d < 0, both scaled to a
+    /// entry = (lo − o)/d and exit = (hi − o)/d where d > 0. They are swapped where d < 0. Both are scaled to a
     /// denominator of |d|.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1);
@@ -79,9 +79,9 @@ struct Box {
         });
         return slabs;
     }
-    /// The largest of lo − p and p − hi over the axes, in units of `unit()`: how far p lies outside by its worst
-    /// component (beside an edge or a corner that is less than the distance), or, negative, how deep inside by the
-    /// nearest face.
+    /// The largest of lo − p and p − hi over the axes, in units of `unit()`. If it is positive, it is how far p lies
+    /// outside by its worst component, which is less than the distance beside an edge or a corner. If it is negative,
+    /// it is how far p lies inside the nearest face.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const auto beyond = [&](int i) { return max(lo[i] - p[i], p[i] - hi[i]); };
         return max(max(beyond(0), beyond(1)), beyond(2)) / unit();
@@ -91,9 +91,9 @@ struct Box {
         const Vec<T> side = hi - lo;
         return max(max(side.x, side.y), side.z);
     }
-    /// With q = max(lo − p, p − hi) in each component, how far p lies beyond the nearer plane of each pair:
-    /// |max(q, 0)| + min(max(q.x, max(q.y, q.z)), 0). Outside one of the two terms is zero, inside the other. Source:
-    /// SDF Sphere Marching (lesson P0-C1).
+    /// Signed distance from p. With q = max(lo − p, p − hi) in each component, how far p lies beyond the nearer plane
+    /// of each pair, it is |max(q, 0)| + min(max(q.x, max(q.y, q.z)), 0). The second term is zero outside, the first
+    /// one inside. Source: SDF Sphere Marching (lesson P0-C1).
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T zero(0);
         const auto beyond = [](const T& low, const T& high, const T& x) { return max(low - x, x - high); };
@@ -101,7 +101,7 @@ struct Box {
         const T outside = length(Vec<T>(max(q.x, zero), max(q.y, zero), max(q.z, zero)));
         return outside + min(max(q.x, max(q.y, q.z)), zero);
     }
-    /// Which plane a ray met: that of the latest of its entries or, from inside, of the earliest of its exits.
+    /// The plane that a ray met: that of its latest entry or, from inside, of its earliest exit.
     struct Face {
         int axis = 0;
         bool high = false;
@@ -121,21 +121,21 @@ struct Box {
         }
         return latest > T(0) ? entry : exit;
     }
-    /// The outward unit normal where a ray met it: that of the face.
+    /// The outward unit normal at the hit: that of the face.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const Face face = face_met(ray);
         Vec<T> n(T(0), T(0), T(0));
         n[face.axis] = face.high ? T(1) : T(-1);
         return n;
     }
-    /// The point of a ray put onto the surface: the coordinate of the face in place of the computed one.
+    /// Moves the point of a ray onto the surface: the coordinate of the face replaces the computed one.
     [[nodiscard]] Vec<T> projected(const Ray<T>& ray, const Vec<T>& p) const {
         const Face face = face_met(ray);
         Vec<T> on = p;
         on[face.axis] = face.high ? hi[face.axis] : lo[face.axis];
         return on;
     }
-    /// It is met at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Of p = o + t·d each component is off by at
+    /// The hit is at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Each component of p = o + t·d is off by at
     /// most δ = (γ(3) + 1)γ(3)|t d| + γ(3)|t d| + u|o + t d|.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {
         BoundedPoint<T> b{p, p};

@@ -13,7 +13,7 @@
 
 namespace lostbits {
 
-/// All points that are no farther than `radius` > 0 from the segment from `start` to `end`.
+/// All points no farther than `radius` > 0 from the segment from `start` to `end`.
 template <class T>
 struct Capsule {
     Vec<T> start;
@@ -31,7 +31,7 @@ struct Capsule {
          {.name = "end", .letter = "e", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// Along z, half of it round at the ends.
+    /// Builds a capsule along z. A quarter of its length at each end is round.
     static Capsule around(const Vec<T>& p, const T& half) {
         const T r = half / T(2);
         return {{p.x, p.y, p.z - r}, {p.x, p.y, p.z + r}, r};
@@ -41,12 +41,12 @@ struct Capsule {
     /// Half of its length.
     [[nodiscard]] T half_extent() const { return radius + length(axis()) / T(2); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), half_extent()}; }
-    /// A point of the cube around the ball at this share of the axis.
+    /// A point near the axis: at the fraction u.x of the axis, and moved within a cube of side 2 `radius`.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const T k = 2 * radius;
         return start + u.x * axis() + Vec<T>((u.x - T(1) / 2) * k, (u.y - T(1) / 2) * k, (u.z - T(1) / 2) * k);
     }
-    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Capsule> grown(const Vec<T>& still, const T& k) const {
         const Vec<T> w = still - on_axis(still);
         if (length(w) == 0) return std::nullopt;
@@ -54,11 +54,12 @@ struct Capsule {
         return Capsule{there + k * (start - there), there + k * (end - there), k * radius};
     }
 
-    /// The line enters by the ball around the end that it passes first where it comes into the side before that end's
-    /// plane, by the side where it does between the planes, and by the other ball where it comes into it behind both;
-    /// it leaves likewise. A line beside the axis enters and leaves by the balls; one beside the planes meets the side
-    /// between them, and beyond one of them that end's ball. The side is that of the cylinder: with v = end − start,
-    /// f = o − start, m = v × f and n = v × d, h = m·n, c = m² − r²v², a = n², q = v²(r²n² − (f·n)²).
+    /// The line passes the planes at the two ends in some order. It enters by the ball at the first end if it enters
+    /// the side before the first plane, by the side if it does so between the planes, and by the other ball if it does
+    /// so behind both. It leaves in the same way. A line parallel to the axis enters and leaves by the balls. A line
+    /// parallel to the planes meets the side if it is between them, and the ball at an end if it is beyond that end.
+    /// The side is that of the cylinder: with v = end − start, f = o − start, m = v × f and n = v × d, h = m·n, c = m²
+    /// − r²v², a = n², q = v²(r²n² − (f·n)²).
     [[nodiscard]] JoinedSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1);
         const Vec<T>& d = ray.direction;
@@ -83,10 +84,11 @@ struct Capsule {
                 .leave = select(beside || !out_between, last, select(out_before, first, side)),
                 .d2 = d2};
     }
-    /// How far a point is outside, in units of `unit()`.
+    /// Relative distance of a point outside, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// How far a point is from the surface, negative inside: |p − q| − r with q the point of the axis nearest to p.
+    /// Signed distance of a point from the surface, negative inside: |p − q| − r with q the point of the axis nearest
+    /// to p.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - on_axis(p))) - radius; }
     /// The outward unit normal at the point p of a ray: away from the axis.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
@@ -95,7 +97,7 @@ struct Capsule {
         return {k * w.x, k * w.y, k * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The same with its error, as of the cylinder.
+    /// The projected point with its error, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - start)) + radius;
         BoundedPoint<T> b{onto_surface(p), p};

@@ -14,7 +14,8 @@
 namespace lostbits {
 
 /// All points between the planes across the axis at `base` and `top` that are no farther from the axis than a radius
-/// which goes evenly from `base_radius` > 0 to `top_radius` ≥ 0: closed, with caps; 0 is an apex.
+/// which changes linearly from `base_radius` > 0 to `top_radius` ≥ 0. It is closed, with caps. A top radius of 0 is an
+/// apex.
 template <class T>
 struct Cone {
     Vec<T> base;
@@ -39,28 +40,28 @@ struct Cone {
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
-    /// Half of its height or its larger radius, whichever is larger.
+    /// Half of its height or its larger radius, the larger of the two.
     [[nodiscard]] T half_extent() const { return max(unit(), length(axis()) / T(2)); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(unit()) + square(axis()) / T(4))}; }
-    /// The point of the cone at u.x of its height, u.y and u.z of the way across it there.
+    /// The point of the cone at the fraction u.x of its height, and at the fractions u.y and u.z of its width there.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         const T r = base_radius + u.x * (top_radius - base_radius);
         return base + u.x * axis() + ((2 * u.y - 1) * r) * across.side + ((2 * u.z - 1) * r) * across.other;
     }
-    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Cone> grown(const Vec<T>& still, const T& k) const {
         if (length(across(still)) == 0) return std::nullopt;
         const Vec<T> there = onto_surface(still);
         return Cone{there + k * (base - there), there + k * (top - there), k * base_radius, k * top_radius};
     }
 
-    /// With v = top − base, f = o − base, s = top_radius − base_radius, m = v × f, n = v × d, and of the radius times
-    /// v² at o, ρ = base_radius v² + s v·f, and its change, σ = s v·d: v² |m + t n|² ≤ (ρ + t σ)², h = v² m·n − ρσ, c =
-    /// v² m² − ρ², a = v² n² − σ². From (h² − a c)/v² = |ρn − σm|² − v⁴ (v·w)² with w = d × f and ρn − σm = v²
-    /// (base_radius n − s w) + s (v·w) v comes a q in which no length of f is squared. Between the caps both radii are
-    /// at least 0, so that it is convex there. All that decides are dyadic polynomials of degree twelve at most: for
-    /// doubles an interval of 12 (1024 + 1074) + 24 < 25300 bits decides each.
+    /// With v = top − base, f = o − base, s = top_radius − base_radius, m = v × f and n = v × d, let ρ = base_radius v²
+    /// + s v·f be v² times the radius at o, and σ = s v·d its change. Then v² |m + t n|² ≤ (ρ + t σ)², so h = v² m·n −
+    /// ρσ, c = v² m² − ρ², a = v² n² − σ². A q in which no length of f is squared follows from (h² − a c)/v² = |ρn −
+    /// σm|² − v⁴ (v·w)² with w = d × f and ρn − σm = v² (base_radius n − s w) + s (v·w) v. Between the caps both radii
+    /// are at least 0, so the cone is convex there. Every decision is the sign of a dyadic polynomial of degree twelve
+    /// at most. For doubles, an interval of 12 (1024 + 1074) + 24 < 25300 bits decides each.
     [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d), w = cross(d, f);
@@ -71,20 +72,20 @@ struct Cone {
                           v2 * (square(k) - square(v2 * vw)), square(d)},
                          low, across, v2);
     }
-    /// How far a point is outside of the side or of the caps, whichever is more, in units of `unit()`.
+    /// Relative distance of a point outside the side or the caps, the larger of the two, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Profile at(*this, p);
         return max(at.off_side(), at.off_caps()) / unit();
     }
     /// The larger radius.
     [[nodiscard]] T unit() const { return max(base_radius, top_radius); }
-    /// How far a point is from the surface, negative inside.
+    /// Signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const Profile at(*this, p);
         const T inside = max(at.off_side(), at.off_caps());
         return select(inside <= T(0), inside, at.way_to_nearest());
     }
-    /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
+    /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Profile at(*this, p);
         const Vec<T> v = axis(), w = across(p);
@@ -95,8 +96,8 @@ struct Cone {
         return {along * v.x + aside * w.x, along * v.y + aside * w.y, along * v.z + aside * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The same with its error: as of the cylinder, with two roundings more of the place along the side, which moves
-    /// the point along the surface but for what the radius there is rounded by.
+    /// The projected point with its error. It is that of the cylinder, with two more roundings of the position along
+    /// the side. They move the point along the surface, except for the rounding of the radius there.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + unit();
         BoundedPoint<T> b{onto_surface(p), p};
@@ -105,14 +106,15 @@ struct Cone {
     }
 
 private:
-    /// A point and the cone in a plane through the axis: x across it, y along it from the base.
+    /// A point and the cone in a plane through the axis: x is the distance from the axis, y runs along it from the
+    /// base.
     struct Profile {
         struct Point {
             T x, y;
         };
         T height, x, y, base_radius, top_radius;
-        T fall;   ///< by how much the radius falls
-        T slant;  ///< the length of the side
+        T fall;   ///< decrease of the radius from the base to the top
+        T slant;  ///< length of the side
 
         Profile(const Cone& cone, const Vec<T>& p)
             : height(length(cone.axis())),
@@ -146,7 +148,7 @@ private:
     };
 
     [[nodiscard]] Vec<T> axis() const { return top - base; }
-    /// From the axis to p, across it.
+    /// The vector from the axis to p, across the axis.
     [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;

@@ -13,8 +13,8 @@
 
 namespace lostbits {
 
-/// All points that are no farther than `radius` > 0 from the line through `base` and `top`, and between the planes
-/// across it at these two points: closed, with caps.
+/// All points no farther than `radius` > 0 from the line through `base` and `top`, and between the planes across it at
+/// these two points. It is closed, with caps.
 template <class T>
 struct Cylinder {
     Vec<T> base;
@@ -37,25 +37,25 @@ struct Cylinder {
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
-    /// Half of its height or its radius, whichever is larger.
+    /// Half of its height or its radius, the larger of the two.
     [[nodiscard]] T half_extent() const { return max(radius, length(axis()) / T(2)); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(radius) + square(axis()) / T(4))}; }
-    /// The point of the cylinder at u.x of its height, u.y and u.z of the way across it.
+    /// The point of the cylinder at the fraction u.x of its height, and at the fractions u.y and u.z of its width.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.side + ((2 * u.z - 1) * radius) * across.other;
     }
-    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& still, const T& k) const {
         if (length(across(still)) == 0) return std::nullopt;
         const Vec<T> there = onto_surface(still);
         return Cylinder{there + k * (base - there), there + k * (top - there), k * radius};
     }
 
-    /// With v = top − base, f = o − base, m = v × f and n = v × d: the side is |m + t n|² ≤ r²|v|², h = m·n,
-    /// c = m² − r²v², a = n², q = v²(r² n² − (f·n)²), as m × n = v (f·n) up to the sign. The caps: 0 ≤ v·f + t v·d ≤
-    /// v². Roots and caps are compared by dyadic polynomials of degree eight: for doubles an interval of 8 (1024 +
-    /// 1074) + 16 < 16900 bits decides each.
+    /// With v = top − base, f = o − base, m = v × f and n = v × d, the side is |m + t n|² ≤ r²|v|²: h = m·n, c = m² −
+    /// r²v², a = n², q = v²(r² n² − (f·n)²), because m × n = v (f·n) up to the sign. The caps are 0 ≤ v·f + t v·d ≤ v².
+    /// Roots and caps are compared by dyadic polynomials of degree eight. For doubles, an interval of 8 (1024 + 1074) +
+    /// 16 < 16900 bits decides each.
     [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d);
@@ -63,15 +63,16 @@ struct Cylinder {
         return capped<T>({dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)}, dot(v, f),
                          dot(v, d), v2);
     }
-    /// How far a point is outside of the side or of the caps, whichever is more, in units of `unit()`.
+    /// Relative distance of a point outside the side or the caps, the larger of the two, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return max(off_side(p), off_caps(p)) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// How far a point is from the surface, negative inside: as of a box in the plane of the axis and the point.
+    /// Signed distance of a point from the surface, negative inside. It is that of a box in the plane of the axis and
+    /// the point.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T zero(0), x = off_side(p), y = off_caps(p), out_x = max(x, zero), out_y = max(y, zero);
         return sqrt(square(out_x) + square(out_y)) + min(max(x, y), zero);
     }
-    /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
+    /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = axis(), w = across(p);
         const T along = dot(v, Vec<T>(p - middle())), of_w = T(1) / length(w), size = T(1) / length(v);
@@ -81,8 +82,9 @@ struct Cylinder {
         return {one(w.x, v.x), one(w.y, v.y), one(w.z, v.z)};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The same with its error: the place along the axis is off by γ(8)|p − base|/|v| and moves the point along the
-    /// surface alone; what is across, the foot and the sum by some ten more roundings of no more than |p − base| + r.
+    /// The projected point with its error. The position along the axis is off by γ(8)|p − base|/|v|, which only moves
+    /// the point along the surface. The vector across the axis, the foot and the sum add about ten more roundings of
+    /// no more than |p − base| + r.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + radius;
         BoundedPoint<T> b{onto_surface(p), p};
@@ -92,7 +94,7 @@ struct Cylinder {
 
 private:
     [[nodiscard]] Vec<T> axis() const { return top - base; }
-    /// From the axis to p, across it.
+    /// The vector from the axis to p, across the axis.
     [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
@@ -104,7 +106,8 @@ private:
         const Vec<T> v = axis();
         return max(-dot(v, Vec<T>(p - base)), dot(v, Vec<T>(p - top))) / length(v);
     }
-    /// Outside, each of the two that are too large is made as large as it may be; inside the one that lacks less.
+    /// Moves a point to the surface. Outside, each coordinate that is too large is reduced to its limit. Inside, the
+    /// coordinate that is nearer to its limit is raised to it.
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
         const T zero(0), one(1), x = off_side(p), y = off_caps(p);
         const Vec<T> v = axis(), w = across(p);

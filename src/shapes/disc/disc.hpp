@@ -13,9 +13,9 @@
 
 namespace lostbits {
 
-/// All points of the plane through `centre` across `normal` that are no farther from the centre than `outer_radius` > 0
-/// and no nearer than `inner_radius` ≥ 0: closed, seen from both sides. With an inner radius it is an annulus. A line
-/// in its plane misses it.
+/// All points of the plane through `centre` across `normal` that are no farther from the centre than `outer_radius` >
+/// 0 and no nearer than `inner_radius` ≥ 0. It is closed, and met from both sides. With an inner radius it is an
+/// annulus. A line in its plane misses it.
 template <class T>
 struct Disc {
     Vec<T> centre;
@@ -39,7 +39,8 @@ struct Disc {
           .limit = Key::Limit::below_before,
           .optional = true}}};
 
-    /// Across the z axis of the point, below it by `half`: flat, it cannot reach that far on all sides.
+    /// Builds a disc across the z axis of the point, `half` below it. A disc is flat, so it cannot extend that far on
+    /// all sides.
     static Disc around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}, half, T(0)};
     }
@@ -47,7 +48,7 @@ struct Disc {
     [[nodiscard]] Vec<T> middle() const { return centre; }
     [[nodiscard]] T half_extent() const { return outer_radius; }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, outer_radius}; }
-    /// At u.z of the way from the inner rim to the outer, in the direction of u.x and u.y.
+    /// The point at the fraction u.z of the distance from the inner rim to the outer, in the direction of u.x and u.y.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(normal);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
@@ -61,9 +62,10 @@ struct Disc {
         return Disc{there + k * (centre - there), normal, k * outer_radius, k * inner_radius};
     }
 
-    /// With f = o − centre, n the normal and m = d·n: t = −(f·n)/m, and from the centre to that point m times as far as
-    /// p = m f − (f·n) d = n × (f × d), in which nothing of the size of f is left: inner² m² ≤ p² ≤ outer² m². All are
-    /// dyadic polynomials of degree six: for doubles an interval of 6 (1024 + 1074) + 8 < 12600 bits decides each.
+    /// With f = o − centre, n the normal and m = d·n, t = −(f·n)/m. The vector from the centre to that point, times m,
+    /// is p = m f − (f·n) d = n × (f × d), which contains nothing of the size of f. So the test is inner² m² ≤ p² ≤
+    /// outer² m². Every decision is the sign of a dyadic polynomial of degree six. For doubles, an interval of 6 (1024
+    /// + 1074) + 8 < 12600 bits decides each.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0);
         const Vec<T>& d = ray.direction;
@@ -78,12 +80,13 @@ struct Disc {
                 .front = front,
                 .d2 = square(d)};
     }
-    /// How far a point is from the plane, in units of `unit()`, on the side that the normal points to.
+    /// Signed distance of a point from the plane, in units of `unit()`, positive on the side that the normal points
+    /// to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         return dot(p - centre, normal) / (length(normal) * outer_radius);
     }
     [[nodiscard]] T unit() const { return outer_radius; }
-    /// |p − q|, q the point of the disc nearest to p. It has no inside, so this is never negative.
+    /// |p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T from = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
         return sqrt(square(max(max(inner_radius - from, from - outer_radius), T(0))) + square(up));
@@ -94,7 +97,8 @@ struct Disc {
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// p − (n·f/n²) n, f = p − centre: what is subtracted is off by γ(10)|f|, f and the difference by a rounding each.
+    /// The projected point p − (n·f/n²) n, f = p − centre, with its error: the subtracted term is off by γ(10)|f|, f
+    /// and the difference by one rounding each.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - centre));
         BoundedPoint<T> b{onto_plane(p), p};

@@ -13,7 +13,7 @@
 
 namespace lostbits {
 
-/// All points with (x/rx)² + (y/ry)² + (z/rz)² ≤ 1, (x, y, z) as seen from `centre`: a ball scaled along the axes.
+/// All points with (x/rx)² + (y/ry)² + (z/rz)² ≤ 1, with (x, y, z) relative to `centre`: a ball scaled along the axes.
 template <class T>
 struct Ellipsoid {
     Vec<T> centre;
@@ -35,15 +35,16 @@ struct Ellipsoid {
     static Ellipsoid around(const Vec<T>& point, const T& half) { return {point, {half, half, half}}; }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }
-    /// Half of the longest side of the box around it.
+    /// Half of the longest side of its bounding box.
     [[nodiscard]] T half_extent() const { return max(max(radii.x, radii.y), radii.z); }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
-    /// The point at these shares of the sides of the box around it.
+    /// The point at these fractions of the sides of its bounding box.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const auto along = [](const T& c, const T& share, const T& r) { return c + (2 * share - 1) * r; };
         return {along(centre.x, u.x, radii.x), along(centre.y, u.y, radii.y), along(centre.z, u.z, radii.z)};
     }
-    /// k times as large, its point on the way from the centre to `still` where it was; nothing from the centre itself.
+    /// Scales it by k and keeps its point between the centre and `still` where it was. Returns nothing for the centre
+    /// itself.
     [[nodiscard]] std::optional<Ellipsoid> grown(const Vec<T>& still, const T& k) const {
         const Vec<T> towards = still - centre;
         const T distance = length(in_radii(towards));
@@ -52,8 +53,8 @@ struct Ellipsoid {
     }
 
     /// With f = o − G, R = rx ry rz and s = R/r = (ry rz, rz rx, rx ry), in each component: h = (s f)·(s d),
-    /// c = (s f)² − R², a = (s d)², and q = R² (a − (r (f × d))²), as (s f) × (s d) = R r (f × d). No step subtracts
-    /// numbers of like size that are not exact differences of the inputs.
+    /// c = (s f)² − R², a = (s d)², and q = R² (a − (r (f × d))²), because (s f) × (s d) = R r (f × d). No step
+    /// subtracts numbers of similar size, except exact differences of the inputs.
     [[nodiscard]] QuadraticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T> f = ray.origin - centre;
         const Vec<T> s(radii.y * radii.z, radii.z * radii.x, radii.x * radii.y);
@@ -61,8 +62,8 @@ struct Ellipsoid {
         const T volume2 = square(T(radii.x * s.x)), a = square(sd);
         return {dot(sf, sd), square(sf) - volume2, a, volume2 * (a - square(m)), square(ray.direction)};
     }
-    /// How far a point is outside, in units of `unit()`: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the shortest
-    /// radius this is the distance, elsewhere less, so that no point of the surface is nearer.
+    /// Relative distance of a point outside, in units of `unit()`: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the
+    /// shortest radius this is the distance. Elsewhere it is less, so no point of the surface is nearer.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> v = in_radii(p - centre);
         const T v2 = square(v);
@@ -70,10 +71,10 @@ struct Ellipsoid {
     }
     /// The shortest radius.
     [[nodiscard]] T unit() const { return min(min(radii.x, radii.y), radii.z); }
-    /// How far a point is from the surface at least, negative inside: (|v/r| − 1) min(r), as |v/r| grows by at most
-    /// 1/min(r) a unit of length. What is the distance has no closed form.
+    /// Lower bound of the distance of a point from the surface, negative inside: (|v/r| − 1) min(r), because |v/r|
+    /// grows by at most 1/min(r) per unit of length. The distance itself has no closed form.
     [[nodiscard]] T distance(const Vec<T>& p) const { return (length(in_radii(p - centre)) - T(1)) * unit(); }
-    /// The outward unit normal at the point p of a ray: along v/r², whose components are multiplied by the shortest
+    /// The outward unit normal at the point p of a ray: along v/r². Its components are multiplied by the shortest
     /// radius, so that none is larger than 1 on the surface.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = in_radii(p - centre);
@@ -82,15 +83,15 @@ struct Ellipsoid {
         const T size = length(n);
         return {n.x / size, n.y / size, n.z / size};
     }
-    /// The point of a ray put onto the surface, on the way to the centre: G + v/|v/r|.
+    /// Moves the point of a ray onto the surface, along the line to the centre: G + v/|v/r|.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T k = T(1) / length(in_radii(v));
         return {centre.x + k * v.x, centre.y + k * v.y, centre.z + k * v.z};
     }
-    /// The same with its error: |v/r| is off by γ(4) of itself (a quotient, a square, two sums, half of these by the
-    /// root, which rounds too), 1/|v/r| by γ(5), and each component v' of the product by γ(6)|v'|; taken to the world
-    /// as the sphere's.
+    /// The projected point with its error. |v/r| is off by γ(4) of itself (a quotient, a square, two sums, half of
+    /// these by the root, which rounds too), 1/|v/r| by γ(5), and each component v' of the product by γ(6)|v'|. In the
+    /// world it is that of the sphere.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T scale = T(1) / length(in_radii(v));

@@ -13,7 +13,7 @@
 
 namespace lostbits {
 
-/// All points p with n·(p − through) = 0: without an end, seen from both sides. A line in it misses it.
+/// All points p with n·(p − through) = 0. It has no end, and is met from both sides. A line in the plane misses it.
 template <class T>
 struct Plane {
     Vec<T> through;
@@ -33,9 +33,10 @@ struct Plane {
 
     [[nodiscard]] Vec<T> middle() const { return through; }
     [[nodiscard]] T half_extent() const { return T(1); }
-    /// One that no scene leaves.
+    /// A ball that is larger than any scene.
     [[nodiscard]] Sphere<T> ball_around() const { return {through, T(0x1p100)}; }
-    /// The point below that of a cube of four, around the point that it goes through.
+    /// The projection onto the plane of a point of a cube with side four, around the point that the plane goes
+    /// through.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
     }
@@ -51,7 +52,7 @@ struct Plane {
                 .front = front,
                 .d2 = square(ray.direction)};
     }
-    /// How far a point is on the side that the normal points to.
+    /// Signed distance of a point from the plane, positive on the side that the normal points to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, Vec<T>(p - through)) / length(normal); }
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
@@ -61,7 +62,7 @@ struct Plane {
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// As of the disc, with f = p − through.
+    /// The projected point with its error, which is that of the disc with f = p − through.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - through));
         BoundedPoint<T> b{onto_plane(p), p};

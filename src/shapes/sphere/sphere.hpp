@@ -28,20 +28,20 @@ struct Sphere {
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// One around a point, as far as this from it on each axis.
+    /// Builds a sphere around a point. It extends `half` from the point on each axis.
     static Sphere around(const Vec<T>& point, const T& half) { return {point, half}; }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }
-    /// Half of the longest side of the box around it.
+    /// Half of the longest side of its bounding box.
     [[nodiscard]] T half_extent() const { return radius; }
-    /// The centre and the radius of a ball that holds it.
+    /// Centre and radius of a ball that holds it.
     [[nodiscard]] Sphere ball_around() const { return *this; }
-    /// The point at these shares of the sides of the cube around it.
+    /// The point at these fractions of the sides of its bounding cube.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const auto along = [this](const T& c, const T& share) { return c + (2 * share - 1) * radius; };
         return {along(centre.x, u.x), along(centre.y, u.y), along(centre.z, u.z)};
     }
-    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Sphere> grown(const Vec<T>& still, const T& k) const {
         const Vec<T> towards = still - centre;
         const T distance = length(towards);
@@ -49,36 +49,38 @@ struct Sphere {
         return Sphere{centre - ((k - 1) * radius / distance) * towards, k * radius};
     }
 
-    /// With f = o − G: h = f·d, c = f·f − r², a = d·d, and q = a r² − |f × d|². No step subtracts numbers of like size
-    /// that are not exact differences of the inputs.
+    /// With f = o − G: h = f·d, c = f·f − r², a = d·d, and q = a r² − |f × d|². No step subtracts numbers of similar
+    /// size, except exact differences of the inputs.
     [[nodiscard]] QuadraticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T> f = ray.origin - centre;
         const T r2 = square(radius), a = square(ray.direction);
         return {dot(f, ray.direction), square(f) - r2, a, a * r2 - square(cross(f, ray.direction)), a};
     }
-    /// How far a point is outside, in units of `unit()`: (|v| − r)/r = (v·v − r²)/(r(|v| + r)) with v = p − G.
+    /// Relative distance of a point outside, in units of `unit()`: (|v| − r)/r = (v·v − r²)/(r(|v| + r)) with v = p −
+    /// G.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T v2 = square(v);
         return (v2 - square(radius)) / (radius * (sqrt(v2) + radius));
     }
     [[nodiscard]] T unit() const { return radius; }
-    /// How far a point is from the surface, negative inside: |p − G| − r.
+    /// Signed distance of a point from the surface, negative inside: |p − G| − r.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(p - centre) - radius; }
     /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const { return unit_of(Vec<T>(p - centre)); }
-    /// What pictures shade with: (p − G)/r, outward whichever side is seen, unit only as far as p lies on it.
+    /// The normal that pictures shade with: (p − G)/r, outward on both sides. It has unit length only as far as p is
+    /// on the surface.
     [[nodiscard]] Vec<T> shading_normal(const Vec<T>& p) const {
         return Vec<T>((p.x - centre.x) / radius, (p.y - centre.y) / radius, (p.z - centre.z) / radius);
     }
-    /// The point of a ray put onto the surface: G + f (r/|f|) with f = p − G.
+    /// Moves the point of a ray onto the surface: G + f (r/|f|) with f = p − G.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;
         const T k = radius / length(f);
         return {centre.x + k * f.x, centre.y + k * f.y, centre.z + k * f.z};
     }
-    /// The point of a ray at t put back onto it in object space, f' = f r/|f| with f = p − G, where each component is
-    /// off by at most γ(5)|f'|; taken to the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
+    /// Moves the point of a ray at t onto the surface in object space: f' = f r/|f| with f = p − G, each component off
+    /// by at most γ(5)|f'|. In the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;
         const T scale = radius / length(f);

@@ -13,9 +13,9 @@
 
 namespace lostbits {
 
-/// All points that are no farther than `minor_radius` > 0 from the circle of `major_radius` around `centre`, across
-/// `axis`, which may have any length. The minor radius is less than the major one, so that there is a hole: where it is
-/// not, the surface cuts itself, and what is inside of it is no longer where the polynomial is negative.
+/// All points no farther than `minor_radius` > 0 from the circle of `major_radius` around `centre`, across `axis`,
+/// which may have any length. The minor radius is less than the major one, so there is a hole. Otherwise the surface
+/// would intersect itself, and its inside would no longer be where the polynomial is negative.
 template <class T>
 struct Torus {
     Vec<T> centre;
@@ -35,7 +35,7 @@ struct Torus {
          {.name = "major_radius", .letter = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "minor_radius", .letter = "rn", .kind = Key::Kind::length, .limit = Key::Limit::within_before}}};
 
-    /// Across y: a ray along z, which is what rays at the plainest solids are, meets it four times.
+    /// Builds a torus across y. The rays at the plainest primitives run along z, and such a ray meets it four times.
     static Torus around(const Vec<T>& p, const T& half) {
         const T r = half / T(8);
         return {p, {T(0), T(1), T(0)}, T(5) * r, T(3) * r};
@@ -44,7 +44,7 @@ struct Torus {
     [[nodiscard]] Vec<T> middle() const { return centre; }
     [[nodiscard]] T half_extent() const { return major_radius + minor_radius; }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
-    /// In the direction of u.x and u.y across the axis, at u.z of the way through the ring.
+    /// The point in the direction of u.x and u.y across the axis, at the fraction u.z of the width of the ring.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
@@ -52,7 +52,7 @@ struct Torus {
         if (size == 0) return centre + r * across.side;
         return centre + (r * x / size) * across.side + (r * y / size) * across.other;
     }
-    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Torus> grown(const Vec<T>& still, const T& k) const {
         const FromCircle from(*this, still);
         if (length(from.aside) == 0 || from.away == 0) return std::nullopt;
@@ -60,12 +60,12 @@ struct Torus {
         return Torus{there + k * (centre - there), axis, k * major_radius, k * minor_radius};
     }
 
-    /// With f = o − centre, n the axis, w = f × d, a = d·d and x = a t + d·f, a point of the line is p = (g + x d)/a
-    /// from the centre, g = d × w across d: p² = (w² + x²)/a. Of R and r the radii, (p² + R² − r²)² n² ≤ 4 R² |n × p|²
-    /// becomes
+    /// With f = o − centre, n the axis, w = f × d, a = d·d and x = a t + d·f, the vector from the centre to a point of
+    /// the line is p = (g + x d)/a, where g = d × w is across d. So p² = (w² + x²)/a. With R and r the radii, (p² + R²
+    /// − r²)² n² ≤ 4 R² |n × p|² becomes
     ///     n² (x² + e)² − 4 R² |n × g + x n × d|² ≤ 0,   e = a (R² − r²) + w²,
-    /// a quartic without a cubic term in which nothing of the size of f is left but in w and g. On the line x² ≤ a (R +
-    /// r)². The discriminant, of which the sign says whether a root is double, is a dyadic polynomial of degree 34.
+    /// a quartic without a cubic term. Only w and g in it are of the size of f. On the line x² ≤ a (R + r)². The sign
+    /// of the discriminant says if a root is double; it is a dyadic polynomial of degree 34.
     [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);
@@ -79,10 +79,10 @@ struct Torus {
                 .bound = T(2) * (sqrt(a) * outer),
                 .d2 = a};
     }
-    /// How far a point is outside of the surface, in units of `unit()`.
+    /// Relative distance of a point outside the surface, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / minor_radius; }
     [[nodiscard]] T unit() const { return minor_radius; }
-    /// How far a point is from the surface, negative inside.
+    /// Signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const { return FromCircle(*this, p).away - minor_radius; }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const FromCircle from(*this, p);
@@ -90,9 +90,9 @@ struct Torus {
         return {k * from.way.x, k * from.way.y, k * from.way.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// q + v (r/|v|) with q = c + w (R/|w|), w the part of f = p − c across the axis, off by γ(11)|f| at most, and v =
-    /// p − q: q is off by that times R/|w| and γ(6)R more; an error of v moves the point about q, but for the γ(6)r of
-    /// its length.
+    /// The projected point q + v (r/|v|) with its error. q = c + w (R/|w|), w is the part of f = p − c across the
+    /// axis, off by γ(11)|f| at most, and v = p − q. q is off by that times R/|w| and by γ(6)R more. An error of v
+    /// moves the point about q, except for the γ(6)r of its length.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const FromCircle from(*this, p);
         const T turned = gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(from.aside)));
@@ -103,8 +103,8 @@ struct Torus {
     }
 
 private:
-    /// A point and the circle: what of it lies across the axis from the centre, and the way from the circle's nearest
-    /// point.
+    /// A point and the circle: `aside` is its part across the axis from the centre, `way` the vector from the nearest
+    /// point of the circle.
     struct FromCircle {
         Vec<T> aside, way;
         T away;

@@ -13,8 +13,9 @@
 
 namespace lostbits {
 
-/// All points u a + v b + w c with u, v, w ≥ 0 and u + v + w = 1: closed, seen from both sides, with an area. A line in
-/// its plane misses it: the points that they share are a segment with no first t of its own, and no code answers one.
+/// All points u a + v b + w c with u, v, w ≥ 0 and u + v + w = 1. It is closed, met from both sides, and has an area.
+/// A line in its plane misses it: the points that they share are a segment without a first t of its own, and no known
+/// code answers one.
 template <class T>
 struct Triangle {
     Vec<T> a;
@@ -32,21 +33,23 @@ struct Triangle {
          {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
          {.name = "c", .letter = "v2", .limit = Key::Limit::off_line_before, .aliases = {"v2", "p2"}}}};
 
-    /// Across the z axis of the point, below it by `half`: flat, it cannot reach that far on all sides.
+    /// Builds a triangle across the z axis of the point, `half` below it. A triangle is flat, so it cannot extend that
+    /// far on all sides.
     static Triangle around(const Vec<T>& p, const T& half) {
         return {
             {p.x - half, p.y - half, p.z - half}, {p.x + half, p.y - half, p.z - half}, {p.x, p.y + half, p.z - half}};
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(3)) * (a + b + c); }
-    /// Half of the longest side of the box around it.
+    /// Half of the longest side of its bounding box.
     [[nodiscard]] T half_extent() const { return unit() / 2; }
     [[nodiscard]] Sphere<T> ball_around() const {
         const Vec<T> m = middle();
         const T reach = max(max(square(Vec<T>(a - m)), square(Vec<T>(b - m))), square(Vec<T>(c - m)));
         return {m, sqrt(reach)};
     }
-    /// u.x and u.y of the way along two sides, folded back where that leads out: evenly over the triangle.
+    /// The point at the fractions u.x and u.y along two sides, mirrored back if it would be outside. Points are
+    /// uniform over the triangle.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const bool out = u.x + u.y > 1;
         return a + (out ? 1 - u.x : u.x) * (b - a) + (out ? 1 - u.y : u.y) * (c - a);
@@ -56,11 +59,12 @@ struct Triangle {
         return Triangle{there + k * (a - there), there + k * (b - there), there + k * (c - there)};
     }
 
-    /// With a, b, c as seen from o, the line passes the edges on the sides that the signs of d·(b × c), d·(c × a) and
-    /// d·(a × b) say; they add up to d·n, n = (b − a) × (c − a), and it crosses where none has another sign than that.
-    /// t = a·n/(d·n): n from the vertices and not from o, so that nothing cancels however far away o is. Source: signed
-    /// volumes, Segura and Feito, Algorithms to test ray-triangle intersection, 2001. All are dyadic polynomials of
-    /// degree three, t one over the other: for doubles an interval of 3 (1024 + 1074) + 6 < 6400 bits decides each.
+    /// With a, b, c relative to o, the signs of d·(b × c), d·(c × a) and d·(a × b) say on which sides the line passes
+    /// the edges. They add up to d·n, n = (b − a) × (c − a), and the line crosses the triangle if none has the opposite
+    /// sign. t = a·n/(d·n). n is computed from the vertices and not from o, so nothing cancels however far away o is.
+    /// Source: signed volumes, Segura and Feito, Algorithms to test ray-triangle intersection, 2001. Every decision is
+    /// the sign of a dyadic polynomial of degree three, and t is a quotient of two. For doubles, an interval of 3 (1024
+    /// + 1074) + 6 < 6400 bits decides each.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0);
         const Vec<T> e = volumes(ray), n = normal();
@@ -74,22 +78,22 @@ struct Triangle {
                 .front = front,
                 .d2 = square(ray.direction)};
     }
-    /// The barycentric coordinates of where the line crosses the plane, x a + y b + z c: of the three numbers whose
-    /// signs tell on which sides of the edges it passes, each over their sum d·n.
+    /// Barycentric coordinates of the point at which the line crosses the plane, x a + y b + z c: each of the three
+    /// numbers whose signs say on which sides of the edges it passes, divided by their sum d·n.
     [[nodiscard]] Vec<T> weights(const Ray<T>& ray) const {
         return (T(1) / dot(ray.direction, normal())) * volumes(ray);
     }
-    /// How far a point is from the plane, in units of `unit()`, on the side that n points to.
+    /// Signed distance of a point from the plane, in units of `unit()`, positive on the side that n points to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> n = normal();
         return dot(p - a, n) / (length(n) * unit());
     }
-    /// The longest side of the box around it.
+    /// The longest side of its bounding box.
     [[nodiscard]] T unit() const {
         const auto side = [](const T& x, const T& y, const T& z) { return max(max(x, y), z) - min(min(x, y), z); };
         return max(max(side(a.x, b.x, c.x), side(a.y, b.y, c.y)), side(a.z, b.z, c.z));
     }
-    /// |p − q|, q the point of the triangle nearest to p. It has no inside, so this is never negative.
+    /// |p − q| with q the point of the triangle nearest to p. A triangle has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - nearest(p))); }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
@@ -98,8 +102,8 @@ struct Triangle {
         return (T(1) / (dot(n, ray.direction) > T(0) ? -size : size)) * n;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// u a + v b + w c by the barycentric coordinates of p, each component off by at most γ(7)(|u a| + |v b| + |w c|).
-    /// Source: pbrt-v4, section 6.8.4.
+    /// The projected point u a + v b + w c, by the barycentric coordinates of p. Each component is off by at most
+    /// γ(7)(|u a| + |v b| + |w c|). Source: pbrt-v4, section 6.8.4.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> n = normal(), from = p - a;
         const T n2 = square(n);
@@ -114,7 +118,7 @@ struct Triangle {
 
 private:
     [[nodiscard]] Vec<T> normal() const { return cross(b - a, c - a); }
-    /// d·(b × c), d·(c × a) and d·(a × b), the vertices as seen from o.
+    /// d·(b × c), d·(c × a) and d·(a × b), with the vertices relative to o.
     [[nodiscard]] Vec<T> volumes(const Ray<T>& ray) const {
         const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
         return Vec<T>(dot(ray.direction, cross(pb, pc)), dot(ray.direction, cross(pc, pa)),
@@ -129,7 +133,8 @@ private:
         const Vec<T> along = y - x;
         return x + min(max(dot(p - x, along) / square(along), T(0)), T(1)) * along;
     }
-    /// That of the plane where p lies over or under the triangle, else the nearest of the edges' points.
+    /// The nearest point: that of the plane if p is over or under the triangle, else the nearest of the points of the
+    /// edges.
     [[nodiscard]] Vec<T> nearest(const Vec<T>& p) const {
         const T zero(0);
         const Vec<T> n = normal();

@@ -13,9 +13,9 @@
 
 namespace lostbits {
 
-/// A cylinder without caps, open at both ends: all points at `radius` > 0 from the line through `bottom` and `top`
-/// between the planes across it at these two points. A surface, seen from both sides. A line along the axis misses it,
-/// also within the wall.
+/// A cylinder without caps, open at both ends: all points at `radius` > 0 from the line through `bottom` and `top`,
+/// between the planes across it at these two points. It is a surface, met from both sides. A line along the axis
+/// misses it, even within the wall.
 template <class T>
 struct Tube {
     Vec<T> bottom;
@@ -33,7 +33,7 @@ struct Tube {
          {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// Along x: a ray along z, which is what rays at the plainest solids are, meets its wall.
+    /// Builds a tube along x. The rays at the plainest primitives run along z, and such a ray meets its wall.
     static Tube around(const Vec<T>& p, const T& half) {
         return {{p.x - half, p.y, p.z}, {p.x + half, p.y, p.z}, half};
     }
@@ -41,7 +41,7 @@ struct Tube {
     [[nodiscard]] Vec<T> middle() const { return solid().middle(); }
     [[nodiscard]] T half_extent() const { return solid().half_extent(); }
     [[nodiscard]] Sphere<T> ball_around() const { return solid().ball_around(); }
-    /// The point at u.x of its height, in the direction of u.y and u.z across it.
+    /// The point at the fraction u.x of its height, in the direction of u.y and u.z across it.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         const T x = 2 * u.y - 1, y = 2 * u.z - 1, size = sqrt(square(x) + square(y));
@@ -54,15 +54,15 @@ struct Tube {
         return Tube{there + k * (bottom - there), there + k * (top - there), k * radius};
     }
 
-    /// As of the cylinder.
+    /// The t at which the line crosses the wall, from the span of the cylinder.
     [[nodiscard]] WallSpan<T> span(const Ray<T>& ray) const {
         const CappedSpan<T> span = solid().span(ray);
         return {span, span.d2};
     }
-    /// How far a point is from the wall, in units of `unit()`: outside of it, inside, beyond an end.
+    /// Distance of a point from the wall, in units of `unit()`, whether it is outside, inside or beyond an end.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// |p − q|, q the point of the wall nearest to p. It has no inside, so this is never negative.
+    /// |p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {
@@ -71,7 +71,7 @@ struct Tube {
         return {towards * w.x, towards * w.y, towards * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// As of the cylinder.
+    /// The projected point with its error, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - bottom)) + radius;
         BoundedPoint<T> b{onto_surface(p), p};
@@ -82,7 +82,7 @@ struct Tube {
 private:
     [[nodiscard]] Cylinder<T> solid() const { return {bottom, top, radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
-    /// How far along the axis a point is, in parts of it.
+    /// Position of a point along the axis, as a fraction of its length.
     [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }
     [[nodiscard]] Vec<T> across(const Vec<T>& p) const { return p - bottom - along(p) * axis(); }
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {

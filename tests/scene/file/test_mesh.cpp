@@ -180,7 +180,7 @@ TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
               "\"tube\" or \"fan\", or write file = \"name.obj\" in its "
               "place"));
     CHECK(has(error_of_mesh("file = \"a.obj\"\n"), "mesh[0].file names "));
-    CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make stands beside file"));
+    CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make is given together with file"));
 }
 
 TEST_CASE("a sphereflake has nine times as many spheres a level") {
@@ -248,7 +248,7 @@ TEST_CASE(
     CHECK(s.meets(Shape::sphere));
     const auto broken = [&](const std::string& to) { return scene_error(replaced(text, "hit_eps = 0.01", to)); };
     CHECK(broken("hit_eps = 0").find("scene.toml:14:11: march.hit_eps must be greater than 0") == 0);
-    CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 as it is stored"));
+    CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 when it is stored"));
     CHECK(has(broken("max_dist = 1e39"), "march.max_dist overflows binary32"));
     CHECK(has(broken("max_steps = 0"), "march.max_steps must be a whole number from 1 to 100000"));
     CHECK(has(broken("max_steps = 2.5"), "march.max_steps must be a whole number"));

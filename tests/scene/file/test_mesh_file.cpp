@@ -59,7 +59,7 @@ TEST_CASE("a polygon is a fan around its first corner, and a face on a line is n
 TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(error_of_file("a.obj", three + "f 1 2 4\n") ==
-          "a.obj:4:7: names vertex 4, and 3 stand above; vertices count from 1, and a face follows its vertices");
+          "a.obj:4:7: names vertex 4, but 3 are defined above; vertices count from 1, and a face follows its vertices");
     CHECK(error_of_file("a.obj", three + "f 0 1 2\n") ==
           "a.obj:4:3: names vertex 0; vertices count from 1, and -1 is the last one");
     CHECK(error_of_file("a.obj", three + " f 1 2\n") == "a.obj:4:2: is a face of fewer than 3 corners");
@@ -71,11 +71,12 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     CHECK(error_of_file("a.obj", "v 0 0\n") == "a.obj:1:6: ends before z");
     CHECK(error_of_file("a.obj", "# \u00e9\nv \u00e9 0 0\n") == "a.obj:2:3: x is \"\u00e9\", which is not a number");
     CHECK(error_of_file("a.obj", three) == "a.obj: has no faces; a mesh has at least one triangle");
-    CHECK(error_of_file("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").starts_with("a.obj: all of its faces lie on"));
+    CHECK(error_of_file("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+              .starts_with("a.obj: none of its faces has an area"));
     CHECK(error_of_file("a.obj", std::string(2 << 20, 'x')) ==
-          "a.obj:1:1: is longer than 1 MB; a mesh has a vertex or a face a line");
+          "a.obj:1:1: is longer than 1 MB; write one vertex or face on each line");
     CHECK(error_of_file("a.fbx", "") ==
-          "a.fbx: the kind of a mesh is told by the end of its name; it ends in .obj, .ply, .stl, .gltf or .glb");
+          "a.fbx: is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
     const std::string stl = as_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
@@ -87,7 +88,7 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     CHECK(error_of_file("a.ply", ply.substr(0, 300)) ==
           "a.ply: byte 256: ends before the 12 elements of vertex, which take at least 156 bytes; was it cut short?");
     const std::string other_order = replaced(ply, "little", "big");
-    CHECK(has(error_of_file("a.ply", other_order), "is the order of bytes the one that format says?"));
+    CHECK(has(error_of_file("a.ply", other_order), "is the byte order the one that the format line says?"));
 }
 
 TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
@@ -95,11 +96,11 @@ TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
     CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) == "a.obj:5:1: has a byte 0; is it text?");
     CHECK(error_of_file("a.obj", face + std::string("f 1 3\0 2\n", 9)) == "a.obj:5:6: has a byte 0; is it text?");
     CHECK(error_of_file("a.obj", face + "# a\rf 1 3 2\n") ==
-          "a.obj:5:4: has a carriage return inside of the line; write line feeds");
+          "a.obj:5:4: has a carriage return inside the line; end lines with line feeds");
     CHECK(error_of_file("a.obj", face + "\xEF\xBB\xBF"
                                         "f 1 3 2\n")
               .starts_with("a.obj:5:1: "));
-    CHECK(has(error_of_file("a.obj", face + "F 1 3 2\n"), "a.obj:5:1: \"F\" begins no line of an OBJ"));
+    CHECK(has(error_of_file("a.obj", face + "F 1 3 2\n"), "a.obj:5:1: \"F\" is not a keyword of OBJ"));
     CHECK(error_of_file("a.obj", "\xEF\xBB\xBF# a mesh\r\n" + face + "usemtl red\nvn 0 0 1\n\n#comment\n") ==
           "no error");
 
@@ -111,9 +112,9 @@ TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
     CHECK(stl(facet + corners) == "a.stl:13:1: ends inside of a facet; was it cut short?");
     CHECK(stl(facet + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\n") ==
           "a.stl:11:1: ends inside of a facet; was it cut short?");
-    CHECK(stl(corners + "facet normal 0 0 1\n") == "a.stl:7:1: stands inside of a facet, which endfacet ends");
-    CHECK(stl(facet + "vertex 0 0 0\n") == "a.stl:9:1: stands in a solid, outside of its facets");
-    CHECK(stl(facet + "verte 0 0 0\n") == "a.stl:9:1: \"verte\" begins no line of an STL; is it one?");
+    CHECK(stl(corners + "facet normal 0 0 1\n") == "a.stl:7:1: is not allowed inside of a facet, which endfacet ends");
+    CHECK(stl(facet + "vertex 0 0 0\n") == "a.stl:9:1: is not allowed in a solid, outside of its facets");
+    CHECK(stl(facet + "verte 0 0 0\n") == "a.stl:9:1: \"verte\" is not a keyword of STL; is it an STL?");
 
     const auto ply = [](const std::string& header, const std::string& body) {
         return error_of_file("a.ply", "ply\nformat ascii 1.0\n" + header + "end_header\n" + body);
@@ -128,17 +129,17 @@ TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
     CHECK(ply(vertices + faces, all + "3 0 1e30 2\n")
               .starts_with("a.ply:13:5: names vertex 1.0000000150474662e+30 of 3"));
     CHECK(ply(vertices + replaced(faces, "uchar", "float"), all + "2.5 0 1 2\n") ==
-          "a.ply:13:1: the length of vertex_indices is 2.5; a whole number up to a million is read");
+          "a.ply:13:1: the length of vertex_indices is 2.5; it must be a whole number up to a million");
     CHECK(ply(vertices + faces, all + "3 0 1 2 1\n") == "a.ply:13:9: follows the last property of its element");
     CHECK(ply(vertices + faces, all + "3 0 1 2\n\n3 0 2 1\n") ==
           "a.ply:15:1: follows the last element that the header names");
-    CHECK(ply(vertices + "elemnt face 1\n", all).starts_with("a.ply:7:1: \"elemnt\" begins no line of a header"));
+    CHECK(ply(vertices + "elemnt face 1\n", all).starts_with("a.ply:7:1: \"elemnt\" is not a keyword of a PLY header"));
     CHECK(ply(vertices + vertices, all).starts_with("a.ply:7:9: a second element \"vertex\""));
     CHECK(ply(vertices + "property float x\n", all).starts_with("a.ply:7:16: a second property \"x\""));
     CHECK(ply(vertices + faces + "property list uchar int vertex_index\n", all)
               .starts_with("a.ply:9:25: a second list of the corners"));
     CHECK(error_of_file("a.ply", "ply\n" + vertices + faces + "end_header\n" + all + "3 0 1 2\n")
-              .starts_with("a.ply:8:1: the header has no line format"));
+              .starts_with("a.ply:8:1: the header has no format line"));
     CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1:1: is not a PLY: its first line is not ply");
     const std::string bytes = as_ply_bytes<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1), false);
     CHECK(has(error_of_file("a.ply", bytes + "abc"), ": 3 bytes follow the last element that the header names"));

@@ -23,10 +23,10 @@ TEST_CASE("what is no file is refused at once", "[mesh]") {
         const auto error = [&] { return error_in(folder, [&] { read_mesh_file(path); }); };
         CHECK(has(error(), "there is no such file"));
         REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
-        CHECK(has(error(), "is a pipe or a device, and a file is read here"));
+        CHECK(has(error(), "is a pipe or a device, but a file is needed here"));
         fs::remove(path);
         fs::create_symlink("/dev/zero", path);
-        CHECK(has(error(), "is a pipe or a device, and a file is read here"));
+        CHECK(has(error(), "is a pipe or a device, but a file is needed here"));
         fs::remove(path);
         fs::create_directory(path);
         CHECK(has(error(), "is a folder; name a file in it"));
@@ -87,7 +87,7 @@ TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused"
           "a.gltf: nodes[0].translation: moves \"ball\", which would round its vertices; apply transforms before you "
           "export");
     CHECK(error_with(as_gltf(ball, buffer, R"(, "children": [0])"), bytes) ==
-          "a.gltf: nodes[0].children[0]: names node 0 again; nodes are trees, and each stands in one place");
+          "a.gltf: nodes[0].children[0]: names node 0 again; nodes form trees, and each node has one parent");
     CHECK(error_with(as_gltf(ball, buffer), bytes.substr(0, 100)) ==
           "a.gltf: buffers[0]: has 100 of its 384 bytes; was it cut short?");
     std::string wrong = bytes;
@@ -98,23 +98,24 @@ TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused"
     CHECK(error_with(as_gltf(ball, buffer), wrong) ==
           "a.gltf: accessors[1]: vertex 11, at byte 372 of its buffer, is not finite; a vertex has finite numbers");
     CHECK(error_with(replaced(as_gltf(ball, buffer), "5126", "5120"), bytes) ==
-          "a.gltf: accessors[1]: is not three floats a vertex");
+          "a.gltf: accessors[1]: does not hold three floats for each vertex");
     CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes),
-              "a.gltf: bufferViews[1]: ends behind its buffer, which has 384 bytes; was it cut short?"));
+              "a.gltf: bufferViews[1]: ends beyond its buffer, which has 384 bytes; was it cut short?"));
     CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"count\": 12", "\"count\": 13"), bytes),
-              "a.gltf: accessors[1]: has 13 elements, which end behind its buffer view of 144 bytes"));
+              "a.gltf: accessors[1]: has 13 elements, which end beyond its buffer view of 144 bytes"));
     CHECK(error_with("{", bytes).starts_with("a.gltf:1:1: is not JSON: "));
     CHECK(error_with("{\n  \"asset\": ?}", bytes).starts_with("a.gltf:2:12: is not JSON: "));
     CHECK(error_with(as_gltf(ball, buffer) + '\0' + "x", bytes)
-              .ends_with("has a byte 0, and more behind it; is it text?"));
+              .ends_with("has a byte 0 with more text after it; is it text?"));
     CHECK(error_with(as_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
     CHECK(error_with(as_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
     CHECK(error_with(replaced(as_gltf(ball, buffer), "\"asset\"",
                               R"("extensionsRequired": ["KHR_mesh_quantization", "EXT_x"], "asset")"),
                      bytes) ==
-          "a.gltf: extensionsRequired: names \"KHR_mesh_quantization\", \"EXT_x\", which are not read; export the mesh "
+          "a.gltf: extensionsRequired: names \"KHR_mesh_quantization\", \"EXT_x\", which are not supported; export the "
+          "mesh "
           "without them");
-    CHECK(error_with("[]", bytes) == "a.gltf: is not an object, and a glTF is one");
+    CHECK(error_with("[]", bytes) == "a.gltf: is not a JSON object; a glTF file is one");
     CHECK(error_with("{}", bytes) == "a.gltf: has no asset");
 }
 
@@ -131,12 +132,12 @@ TEST_CASE("a glTF is read in a time and in memory that go with its bytes", "[mes
                                          std::string(static_cast<std::size_t>(depth), close));
     };
     CHECK(error(nested(50, '[', ']')) == "no error");
-    CHECK(error(nested(15000, '[', ']')).starts_with("a.gltf:1:102: stands in more than 64 values"));
-    CHECK(has(error(nested(1'000'000, '[', ']')), "stands in more than 64 values"));
-    CHECK(has(error(std::string(15000, '[')), "stands in more than 64 values"));
+    CHECK(error(nested(15000, '[', ']')).starts_with("a.gltf:1:102: is nested in more than 64 values"));
+    CHECK(has(error(nested(1'000'000, '[', ']')), "is nested in more than 64 values"));
+    CHECK(has(error(std::string(15000, '[')), "is nested in more than 64 values"));
     std::string nodes = "[";  // 2^40 ways lead to the last
     for (int i = 1; i <= 40; ++i) nodes += fmt::format(R"({{"children": [{}, {}]}}, )", i, i);
-    CHECK(has(error(small_gltf("[{\"mesh\": 0}]", nodes + "{\"mesh\": 0}]")), "names node 40 again; nodes are trees"));
+    CHECK(has(error(small_gltf("[{\"mesh\": 0}]", nodes + "{\"mesh\": 0}]")), "names node 40 again; nodes form trees"));
     // Twenty thousand nodes below each other take no stack.
     std::string chain = "[";
     for (int i = 1; i <= 20'000; ++i) chain += fmt::format(R"({{"children": [{}]}}, )", i);
@@ -147,7 +148,7 @@ TEST_CASE("a glTF is read in a time and in memory that go with its bytes", "[mes
     for (int i = 1; i < 20'000; ++i) parts += ", " + part;
     CHECK(error(small_gltf(part, parts)) ==
           "a.gltf: meshes[0].primitives[36]: makes more triangles than the buffers of the file have bytes; its "
-          "primitives name the same numbers again and again");
+          "primitives use the same numbers again and again");
     const Mesh shared = [&] { return read_mesh_file(folder.write("b.gltf", small_gltf(part, part + ", " + part))); }();
     CHECK(shared.faces.size() == 2);
     const std::string accessor = R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"})";
@@ -159,7 +160,7 @@ TEST_CASE("a glTF is read in a time and in memory that go with its bytes", "[mes
     CHECK(has(error(replaced(small_gltf(part, many), accessor, accessors)),
               "accessors[12]: makes more vertices than the buffers of the file have bytes"));
     CHECK(
-        has(error(small_gltf("\"count\": 3", "\"count\": 18446744073709551615")), "which end behind its buffer view"));
+        has(error(small_gltf("\"count\": 3", "\"count\": 18446744073709551615")), "which end beyond its buffer view"));
     CHECK(has(error(small_gltf("\"count\": 3", "\"count\": -3")), "accessors[0].count: is not a whole number"));
 }
 
@@ -177,7 +178,7 @@ TEST_CASE("a glTF opens what lies beside it and nothing else", "[mesh]") {
     CHECK(error_with("data:application/octet-stream;base64,"
                      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA") == "no error");
     CHECK(has(error_with("data:application/octet-stream;base64,AA*A"), "buffers[0].uri: is not base64"));
-    const std::string outside = "lies outside of the folder of the glTF and is not opened";
+    const std::string outside = "is outside the folder of the glTF and is not opened";
     for (const std::string& uri : {(folder / "in/a.bin").string(), std::string("../outside.bin"),
                                    std::string("sub/../../outside.bin"), std::string("%2e%2e/outside.bin"),
                                    "file://" + (folder / "in/a.bin").string(), std::string("%2Fdev%2Fzero")}) {

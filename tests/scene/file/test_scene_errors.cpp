@@ -119,9 +119,11 @@ TEST_CASE("a triangle has an area") {
         return broken(sphere, "[[cylinder]]\nbase = [1, 0, 0]\ntop = [" + top + ", 0, 0]\nradius = 1\n");
     };
     CHECK(cylinder("2") == "no error");
-    CHECK(cylinder("1") == "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two");
+    CHECK(cylinder("1") ==
+          "scene.toml:15:7: cylinder[0].top equals base; a cylinder has a height, so move one of the two");
     CHECK(cylinder("\"1.00000000001\"") ==
-          "scene.toml:15:7: cylinder[0].top is base in binary32, to which inputs = \"shared\" rounds; move one of the "
+          "scene.toml:15:7: cylinder[0].top equals base in binary32, to which inputs = \"shared\" rounds; move one of "
+          "the "
           "two, "
           "or write inputs = \"own\"");
     CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, 1, \"1e-60\"]\n")
@@ -136,7 +138,8 @@ TEST_CASE("a scene has a camera and a solid, and nothing unknown") {
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");
     CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
-          "scene.toml:1:1: the scene has no solids; write at least one [[sphere]] with centre and radius, [[box]] with "
+          "scene.toml:1:1: the scene has no primitives; write at least one [[sphere]] with centre and radius, [[box]] "
+          "with "
           "lo and hi, [[triangle]] with a, b and c, [[ellipsoid]] with centre and radii, [[cylinder]] with base, top "
           "and radius, [[capsule]] with start, end and radius, [[tube]] with bottom, top and radius, [[cone]] with "
           "base, top, base_radius and top_radius, [[disc]] with centre, normal, outer_radius and inner_radius, "
@@ -220,12 +223,11 @@ TEST_CASE("rays are made by a way that there is, of a pinhole with planes whose 
     const std::string planes = "\n[camera.projection]\nnear = 0.1";
     CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"three\"" + planes)) == "no error");
     CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"thre\"" + planes))
-              .starts_with(
-                  "scene.toml:13:8: camera.rays is \"thre\", and no way to make rays has that name; did you mean "
-                  "\"three\"?"));
+              .starts_with("scene.toml:13:8: camera.rays is \"thre\", which is not a known ray generator; did you mean "
+                           "\"three\"?"));
     CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"three\"")) ==
           "scene.toml:13:8: camera.rays needs the planes of a projection; write [camera.projection] with near, and far "
-          "where it is not at infinity");
+          "unless it is at infinity");
     CHECK(scene_error(pinhole("fov_deg = 40\nnormalise = false\nrays = \"three\"" + planes))
               .starts_with("scene.toml:13:13: camera.normalise is false"));
     CHECK(scene_error(pinhole("fov_deg = 40\nshift = [0.5, 0]" + planes))

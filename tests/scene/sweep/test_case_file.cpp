@@ -217,9 +217,10 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
           "c.toml:6:43: is nan, which is allowed in rays only; write a finite number");
     CHECK(broken("centre = [1, 2, 3]", "centre = [1, inf, 3]") ==
           "c.toml:6:27: is inf, which is allowed in rays only; write a finite number");
-    CHECK(broken("spheres = [{ centre = [1, 2, 3], radius = 4 }]\n", "").starts_with("c.toml:4:1: a case has spheres"));
+    CHECK(
+        broken("spheres = [{ centre = [1, 2, 3], radius = 4 }]\n", "").starts_with("c.toml:4:1: a case needs spheres"));
     CHECK(broken("rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]\n", "")
-              .starts_with("c.toml:4:1: a case has rays"));
+              .starts_with("c.toml:4:1: a case needs rays"));
     for (const std::string list : {"spheres", "rays"})
         CHECK(broken(list + " = [", 'x' + list + " = [")
                   .ends_with("unknown key case[0].x" + list + "; did you mean \"" + list + "\"?"));

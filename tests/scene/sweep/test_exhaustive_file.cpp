@@ -92,26 +92,26 @@ TEST_CASE("a narrowed sweep has the floats between two others") {
     sweep.narrow(real("0x1.8p0"), real("0x1.80001p0"), where);
     CHECK(sweep.floats() == 9);
     CHECK(has(error_of([&] { sweep.narrow(real("1"), real("2"), where); }), "c.toml:3:4: \"0x1p+0\" lies outside"));
-    CHECK(has(error_of([&] { sweep.narrow(real("0.1"), real("2"), where); }), "not one of binary32"));
+    CHECK(has(error_of([&] { sweep.narrow(real("0.1"), real("2"), where); }), "not representable in binary32"));
 }
 
 TEST_CASE("what is wrong with a sweep over every float is said with its place and a remedy") {
     // An axis that is not of one format, and a range without floats.
-    CHECK(has(error("from = 1", "from = 1.1"),
-              "s.toml:9:8: axis.from is not a number of binary32, and rounding it would try another place; the nearest "
-              "below and above are \"0x1.199998p+0\" and \"0x1.19999ap+0\""));
-    CHECK(has(error("0x1.8p+1", "0x1.80000001p+1"), "s.toml:10:6: axis.to is not a number of binary32"));
+    CHECK(has(
+        error("from = 1", "from = 1.1"),
+        "s.toml:9:8: axis.from is not representable in binary32, and rounding it would test another value; the nearest "
+        "below and above are \"0x1.199998p+0\" and \"0x1.19999ap+0\""));
+    CHECK(has(error("0x1.8p+1", "0x1.80000001p+1"), "s.toml:10:6: axis.to is not representable in binary32"));
     CHECK(has(error("from = 1\nto = \"0x1.8p+1\"", "from = 1.00000001\nto = 1.00000002"),
               "axis.from and to have no number of binary32 between them"));
     CHECK(has(error("\"0x1.8p+1\"", "1"), "s.toml:10:6: axis.to equals from"));
-    CHECK(
-        has(error("\"0x1.8p+1\"", "1e39"),
-            "s.toml:10:6: axis.to is not a number of binary32, and rounding it would try another place; the largest is "
-            "\"0x1.fffffep+127\""));
+    CHECK(has(error("\"0x1.8p+1\"", "1e39"),
+              "s.toml:10:6: axis.to is not representable in binary32, and rounding it would test another value; the "
+              "largest is \"0x1.fffffep+127\""));
     CHECK(has(error("from = 1", "from = -1e39"), "the lowest is \"-0x1.fffffep+127\""));
     CHECK(has(error("0.5, -0.25", "0.5, 0.1"),
-              "s.toml:13:10: ray[0].origin holds a number that is not one of binary32, in place 1"));
-    CHECK(has(error("radius = 1", "radius = 0.1"), "s.toml:17:10: sphere.radius is not a number of binary32"));
+              "s.toml:13:10: ray[0].origin holds a number that is not representable in binary32, at index 1"));
+    CHECK(has(error("radius = 1", "radius = 0.1"), "s.toml:17:10: sphere.radius is not representable in binary32"));
     CHECK(has(error("ray.origin.z", "ray.orgin.z"), "did you mean \"ray.origin.z\""));
     CHECK(has(error("ray.origin.z", "box.lo.x"), "not a number of the ray or of its sphere"));
     CHECK(has(error("\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.origin.z\"]"), "twice"));
@@ -119,12 +119,12 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("every_float", "linear"), "s.toml:7:11: axis.spacing must be \"every_float\""));
     CHECK(has(error("to = \"0x1.8p+1\"", "to = 2\nall = true"), "cannot be combined with all = true"));
     CHECK(has(error("name = \"distance\"", "name = \"Distance\""), "lower-case"));
-    CHECK(has(error("direction =", "tmax = 3\ndirection ="), "tmax ends a ray for the forms of boxes"));
+    CHECK(has(error("direction =", "tmax = 3\ndirection ="), "tmax ends a ray only for the forms of boxes"));
     CHECK(has(error("[[ray]]\nname = \"a\"",
                     "[[ray]]\nname = \"a\"\norigin = [0, 0, 0]\ndirection = [0, 0, 1]\n"
                     "[[ray]]\nname = \"a\""),
-              "the name of another ray too"));
-    CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one solid"));
+              "also the name of another ray"));
+    CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one primitive"));
     CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replaced(good_sweep, "[axis]", "[[axis]]")),
               "s.toml:4:1: axis must be one [[axis]] table"));
     // Solids that are none: of the file, or made so by the axis.
@@ -133,7 +133,7 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(
         has(error("ray.origin.z\"\nfrom = 1", "sphere.radius\"\nfrom = -1"), "s.toml:9:8: axis.from leaves a sphere"));
     CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"),
-              "not valid for a solid"));
+              "not valid for a primitive"));
     CHECK(has(error("ray.origin.z", "box.lo.x", good_box), "s.toml:10:6: axis.to leaves a box whose hi is below lo"));
 }
 

@@ -69,9 +69,9 @@ TEST_CASE("a search may draw free significands, rays at edges, and look for the 
     REQUIRE(free.exponents);
     CHECK((free.exponents->low == -20 && free.exponents->high == 3));
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-20, 0.5]")
-              .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
+              .starts_with("s.toml:10:13: search.exponents must be two whole numbers"));
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-2000, 0]")
-              .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
+              .starts_with("s.toml:10:13: search.exponents must be two whole numbers"));
     CHECK(has(broken("impact_radii = [0, 0.5]", "at_edge = true"), "needs a box"));
     for (const char* const key : {"smallest", "hits_only"})
         CHECK(has(broken("impact_radii = [0, 0.5]", key + std::string(" = true\nnearest = true")),

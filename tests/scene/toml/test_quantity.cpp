@@ -71,9 +71,8 @@ TEST_CASE("what is not an exponent is refused where it stands") {
         CHECK(error.starts_with("t.toml:3:7: "));
     }
     CHECK(exponent_error("emax/3") ==
-          "t.toml:3:7: \"emax/3\" is not an exponent; write a sum of whole numbers, emax, emin and p, each perhaps "
-          "over 2 "
-          "or 4, such as \"emax/2 + 1\"");
+          "t.toml:3:7: \"emax/3\" is not an exponent; write a sum of whole numbers, emax, emin and p, each "
+          "optionally divided by 2 or 4, such as \"emax/2 + 1\"");
     CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" contains a space inside a number or word; remove it");
     Node flag;
     flag.kind = Node::Kind::boolean;

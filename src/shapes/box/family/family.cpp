@@ -13,7 +13,8 @@ using rays::stored;
 
 namespace {
 
-/// Random sides between a half and all of the size; one of them of the stated thickness; not centred anywhere special.
+/// Draws a box. Each side is between half of the size and all of it, and one side has the stated thickness. The centre
+/// is not a special point.
 Box<double> draw_box(Random& random, const BoxFamily& f) {
     Box<double> box;
     const int thin = random.below(3);
@@ -26,7 +27,7 @@ Box<double> draw_box(Random& random, const BoxFamily& f) {
     return box;
 }
 
-/// The eight boxes around a point inside of one.
+/// The eight boxes into which a point inside a box cuts it.
 std::vector<Solid<double>> cut(const Box<double>& box, const Vec<double>& at) {
     std::vector<Solid<double>> parts;
     for (int n = 0; n < 8; ++n) {
@@ -37,7 +38,7 @@ std::vector<Solid<double>> cut(const Box<double>& box, const Vec<double>& at) {
     return parts;
 }
 
-/// A point of a face, edge or corner, and the directions (±1 or 0 an axis) in which the box ends there.
+/// A point of a face, edge or corner, and the directions (±1, or 0 for an axis) in which the box ends there.
 struct Feature {
     Vec<double> point;
     Vec<double> outward;
@@ -59,8 +60,8 @@ Feature draw_feature(Random& random, const BoxFamily& f, const Box<double>& box)
     return feature;
 }
 
-/// A direction of length about 1 whose line meets the box in nothing but the feature: it goes in across one of the
-/// faces that meet there and out across another; along the face where there is only one.
+/// Draws a direction of length about 1 whose line meets the box only in the feature. It goes in across one of the
+/// faces that meet there and out across another. If there is only one face, it runs along it.
 Vec<double> draw_direction(Random& random, const Feature& feature) {
     Vec<double> d(0, 0, 0);
     int ends = 0;
@@ -69,7 +70,7 @@ Vec<double> draw_direction(Random& random, const Feature& feature) {
         const double sign = random.sign();  // by itself: the order of operands is the compiler's choice
         d[i] = sign * random.between(0.1, 1);
         if (feature.outward[i] == 0) continue;
-        // The second face is left the other way than the first; a third as it comes.
+        // The line leaves the second face the other way than the first. A third face keeps the drawn sign.
         if (++ends == 2) d[i] = -std::copysign(d[i], last * feature.outward[i]);
         last = d[i] * feature.outward[i];
     }
@@ -91,7 +92,8 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
         Feature feature = draw_feature(random, f, box);
         Vec<double> d = draw_direction(random, feature);
         if (f.adjoining) {
-            // What is shared lies on the planes through the middle; the line goes through to the inside of the whole.
+            // The shared points lie on the planes through the middle. The line continues to the inside of the whole
+            // box.
             for (int k = 0; k < 3; ++k) {
                 if (feature.outward[k] != 0) feature.point[k] = middle[k];
             }
@@ -126,7 +128,7 @@ std::span<const rays::RaySet> BoxFamily::sets() {
     static constexpr rays::RaySet all[] = {
         {"easy", "boxes 4 sizes away, aimed at the inside",
          [] { return BoxFamily{.aim = BoxFamily::Aim::inside}.draw(); }},
-        // Half of the rays inside by the gap, half outside.
+        // Half of the rays pass inside the edge by the gap, half outside.
         {"edge-grazing", "boxes 4 sizes away, aimed 2^-23 sizes inside and outside of an edge",
          [] {
              auto groups = BoxFamily{.aim = BoxFamily::Aim::edge, .gap = -0x1p-23}.draw();

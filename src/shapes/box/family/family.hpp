@@ -1,4 +1,4 @@
-// Families of rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
+// Random rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace lostbits::scene::box {
 
-/// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if
-/// they were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and the
-/// rays are aimed at what they share: none can slip between.
+/// A box of random sides, and rays that touch it in one point of an edge or a corner, or run along a face, and are
+/// then moved away from it by `gap`. With `adjoining`, the box is one of eight that share three planes, and the rays
+/// are aimed at the shared points: no ray can slip between.
 struct BoxFamily {
     static constexpr std::string_view table = "box_family";
     enum class Aim { face, edge, corner, inside };
@@ -23,16 +23,16 @@ struct BoxFamily {
     double size = 1;                 ///< longest side, world units
     double thickness = 1;            ///< shortest side, in sizes; 0: flat
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
-    double gap = 0;                  ///< in sizes; positive: outward, a miss by so much
+    double gap = 0;                  ///< in sizes; positive: outward, a miss by that much
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;                ///< boxes: what the rays at a box share is one sample of it
+    int views = 1024;                ///< number of boxes; the rays at one box form one sample
     int rays = 1;                    ///< rays per box
     std::uint64_t seed = 1;
 
     /// Reads `[box_family]`. InputError with a position for anything out of range.
     static BoxFamily read(toml::TableReader table);
-    /// The rays of a family: shared inputs, each number rounded once to binary32.
+    /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
     static std::span<const rays::RaySet> sets();

@@ -1,6 +1,6 @@
-// The robust test of madmann91/bvh: `signs`, with each far plane's 1/d two last places larger, after Ize. An infinite
-// 1/d stays as it is. Two last places are 2u to 4u of 1/d, 2u where its significand is near 2, and the six roundings of
-// a near and a far plane that meet can part them by 6u: a rare ray still slips through.
+// The robust test of madmann91/bvh: `signs`, with 1/d of each far plane two last places larger, after Ize. An infinite
+// 1/d stays as it is. Two last places are 2u to 4u of 1/d, and 2u where its significand is near 2. The six roundings
+// of a near and a far plane that meet can separate them by 6u, so a rare ray still slips through.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

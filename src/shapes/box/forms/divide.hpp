@@ -1,5 +1,5 @@
-// `inclusive` with one rounding less in each plane: t1 = (lo − o)/d, t2 = (hi − o)/d. A ray in one of the planes makes
-// 0/0, which is NaN as 0·∞ is; but a d whose reciprocal overflows still divides.
+// `inclusive` with one rounding less for each plane: t1 = (lo − o)/d, t2 = (hi − o)/d. A ray in one of the planes
+// makes 0/0, which is NaN like 0·∞. A d whose reciprocal overflows can still divide.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,7 +1,8 @@
-// Embree's fast traversal: a direction component with |d| < 10⁻¹⁸ becomes +10⁻¹⁸, whatever its sign, so that nothing
-// divides by zero; t = fma(plane, inv, −(o·inv)), the planes in the order of inv's sign bit. The subtraction plane − o,
-// exact or nearly so for planes near o, is gone: o·inv is rounded before anything cancels. 10⁻¹⁸ is a constant of the
-// form, the same in every format that can hold it; where it underflows, zero directions stay zero.
+// Embree's fast traversal. A direction component with |d| < 10⁻¹⁸ becomes +10⁻¹⁸, whatever its sign, so that nothing
+// divides by zero. t = fma(plane, inv, −(o·inv)), with the planes in the order of inv's sign bit. The subtraction
+// plane − o, which is exact or nearly so for planes near o, is not made: o·inv is rounded before anything cancels.
+// 10⁻¹⁸ is a constant of the form, the same in every format that can hold it. Where it underflows, zero directions
+// stay zero.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

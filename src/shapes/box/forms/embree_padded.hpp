@@ -1,7 +1,7 @@
-// Embree's robust traversal as it has been since its version 3: 1/d is padded, and no longer the comparison. With ε =
-// 2u a near plane's t is (bmin − o)·fl((1 − 3ε)/d), a far plane's (bmax − o)·fl((1 + 3ε)/d). A component with |d| <
-// 10⁻¹⁸ becomes +10⁻¹⁸. Each t rounds four times, by less than its padding, so that tmin is never late and tmax never
-// early; and the end of the ray is compared with a tmin that is early too.
+// Embree's robust traversal since version 3: it pads 1/d, and no longer the comparison. With ε = 2u, a near plane's t
+// is (bmin − o)·fl((1 − 3ε)/d), and a far plane's is (bmax − o)·fl((1 + 3ε)/d). A component with |d| < 10⁻¹⁸ becomes
+// +10⁻¹⁸. Each t rounds four times, by less than its padding, so tmin is never late and tmax is never early. The end
+// of the ray is compared with a tmin that is early too.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

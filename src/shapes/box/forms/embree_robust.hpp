@@ -1,6 +1,6 @@
-// Embree's robust traversal as it was (`embree_padded` is what came then): `signs`, then a hit where (1 − 3ε) tmin ≤ (1
-// + 3ε) tmax with ε = 2u, 2⁻²³ in float. The padding is in the comparison alone: t is the unpadded tmin, as Embree's
-// distance is. The end of the ray, being part of tmax, is padded too.
+// Embree's former robust traversal (`embree_padded` replaced it): `signs`, then a hit where (1 − 3ε) tmin ≤ (1 + 3ε)
+// tmax with ε = 2u, which is 2⁻²³ in float. Only the comparison is padded: t is the unpadded tmin, as Embree's
+// distance is. The end of the ray is part of tmax, so it is padded too.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

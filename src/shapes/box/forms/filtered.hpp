@@ -1,7 +1,7 @@
-// `signs` with a bound on what rounding did to each t; where that does not prove the decision, the planes are compared
-// without dividing, in wider arithmetic and then exactly: no wrong decision about the closed box. t is that of `signs`,
-// which three roundings leave at least 21 correct bits of 24 (50 of 53); where something overflows on the way to it, it
-// is found in wider numbers.
+// `signs` with a bound on the rounding error of each t. If the bound does not prove the decision, the planes are
+// compared without dividing, in wider arithmetic and then exactly. The decision about the closed box is never wrong. t
+// is that of `signs`, and three roundings leave at least 21 of its 24 bits correct (50 of 53). If an intermediate
+// result overflows, t is computed in wider numbers.
 #pragma once
 
 #include "intersect/way.hpp"
@@ -12,7 +12,7 @@ namespace lostbits::intersect::box {
 struct FilteredSlabs {
     static constexpr Info info{
         .name = "box.filtered",
-        .title = "signs where a bound proves it, wider where not",
+        .title = "signs if a bound proves them, else wider arithmetic",
         .source = "a static filter after Shewchuk 1997; signs of determinants",
     };
 
@@ -22,7 +22,7 @@ struct FilteredSlabs {
         return intersect(ray, box, limit, watch);
     }
 
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
     template <Number T, BoxOf<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;

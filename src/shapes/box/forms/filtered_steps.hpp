@@ -1,4 +1,4 @@
-// The steps of `box.filtered`, and the inequalities that let a ray stop at one.
+// The steps of `box.filtered`, and the inequalities that let a ray stop at a step.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -9,28 +9,28 @@
 namespace lostbits::intersect::box {
 namespace filtered {
 
-/// The first step's decision, and whether its tmin and tmax are good.
+/// The first step's decision; `in_range` says if its tmin and tmax are accurate.
 template <Number T>
 struct Decided : SlabDecision<T> {
     mask_t<T> in_range;
 };
 
-/// By tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three roundings. With
-/// L the least normal number and M = 1/L:
+/// Decides by tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three
+/// roundings. With L the least normal number and M = 1/L:
 ///
 ///     plane − o     no sum underflows
-///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal from |d| > M on, no less than M^-1/4 and
-///                   off by at most 4u of itself: 6.1u of t altogether
-///     the product   uL more where it underflows, which is u of all that is ≥ L, and keeps a sign or gives ±0
+///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal for |d| > M, no less than M^-1/4 and off
+///                   by at most 4u of itself: 6.1u of t altogether
+///     the product   uL more where it underflows, which is u of everything ≥ L; it keeps its sign or gives ±0
 ///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
-///                   sign, and so the ray is missed; dmin = −∞ has it, too, and is not looked at. +∞, and NaN of 0·∞,
-///                   show in `way`, the sum of all dmax; or, where d = 0 brings them, in `longest_way`
+///                   sign, so the ray is missed. dmin = −∞ has the right sign too, and is not examined. +∞, and NaN
+///                   from 0·∞, show in `way`, the sum of all dmax, or in `longest_way` where d = 0 causes them
 ///
 /// So where way < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL >
-/// tmax (1 + 6.1u) + uL a miss; 16u and L on one side cover them with the roundings of the test, whatever the sign of
-/// tmax. A slab that the ray is parallel to and outside of has tmin = ∞, inside of −∞ and ∞; in one of its planes 0·∞,
-/// which leaves tmin and tmax as they were. (∞ < ∞ is false: a direction of zeros is left.) And tmin and tmax are right
-/// to 6.1u of themselves, or to the distance of subnormal numbers.
+/// tmax (1 + 6.1u) + uL a miss. 16u and L on one side cover both, with the roundings of the test, whatever the sign of
+/// tmax. A slab that the ray is parallel to has tmin = ∞ if the ray is outside, and −∞ and ∞ if it is inside. A ray in
+/// one of its planes makes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false, so a direction of zeros is
+/// left undecided.) tmin and tmax are right to 6.1u of themselves, or to the distance between subnormal numbers.
 template <Number T>
 Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
     if constexpr (tells_of_operations<T>) {
@@ -52,15 +52,15 @@ OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
     return {{of(0), of(1), of(2)}};
 }
 
-/// What the first step found, and the ray's end.
+/// The result of the first step, and the ray's end.
 template <Number T>
 struct Found {
     Segment<T> segment;
     T limit;
 };
 
-/// The largest dmax |d| and (1/d) d: plane − o and 1 to 7u where nothing overflows, ∞ where a sum or the product or 1/d
-/// did (0·∞ too, by the latter), NaN, which max leaves out, of a slab with d = 0.
+/// The largest of dmax |d| and (1/d) d, which are plane − o and 1 to 7u where nothing overflows. It is ∞ if a sum, the
+/// product or 1/d overflowed (0·∞ shows by the latter). A slab with d = 0 makes NaN, which max leaves out.
 template <Number T>
 T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     T way(0);
@@ -72,8 +72,8 @@ T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     return way;
 }
 
-/// Whether every number is 0 or within 2^-450 and 2^500, so that the products of two, and those of their last places,
-/// are doubles. Of floats all are.
+/// True if every number is 0 or between 2^-450 and 2^500 in size, so that the products of two, and those of their last
+/// places, are doubles. Floats always fit.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     if constexpr (tells_of_operations<T>) {
@@ -101,11 +101,11 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
     return all;
 }
 
-/// In W, to nearest. v is its unit roundoff: n and f round once, the products once more, so n m and f g are right to
-/// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too. Infinite planes
-/// leave NaN, which decides nothing.
+/// Decides in W, rounded to nearest. With v the unit roundoff of W, n and f round once and the products once more, so
+/// n m and f g are right to 2.1v of themselves. Then n m ≤ f g is proved where n m + 3v(|n m| + |f g|) ≤ f g, also
+/// where both are zero. Infinite planes make NaN, which decides nothing.
 ///
-/// `static`: what is compiled for wide registers alone must not be what the linker gives to others.
+/// It is `static`: the linker must not use code that is compiled for wide registers in other files.
 template <class W, Number T>
 static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
@@ -119,7 +119,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
         f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
     }
     const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
-    // Least over all: positive where every comparison holds for certain, negative where one fails for certain.
+    // The least of all comparisons: positive where every one is proved to hold, negative where one is proved to fail.
     const auto room = [&](const W& less, const W& more) {
         const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
         return select(apart >= slack, W(1), select(apart <= -slack, W(-1), W(0)));
@@ -141,7 +141,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     return {told > T(0) || told < T(0), told >= T(0)};
 }
 
-/// tmin and tmax in W, where neither over- nor underflows: good to u when they are brought back.
+/// Computes tmin and tmax in W, where nothing overflows or underflows. They are accurate to u when narrowed to T.
 template <class W, Number T>
 static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
@@ -156,8 +156,8 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     return {taken_back<T>(tmin), taken_back<T>(tmax)};
 }
 
-/// `known`, and where it proves nothing the decision in the whole range; and t, where `good` does not say that what was
-/// found is.
+/// Returns `known`, decided over the whole range where `known` proves nothing. t comes from the whole range where
+/// `good` does not say that the found t is accurate.
 template <Number T>
 Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
                       const SlabDecision<T>& known, const mask_t<T>& good) {
@@ -172,8 +172,8 @@ Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Fou
     return entered<T>(all[0] > T(0), {select(good, own.tmin, all[1]), select(good, own.tmax, all[2])});
 }
 
-/// What `known` leaves open, without rounding, and t in the whole range where `known` does not say that what was found
-/// is good.
+/// Decides without rounding what `known` leaves open. t comes from the whole range where `known` does not say that the
+/// found t is accurate.
 template <Number T>
 Hit<T> to_the_last_digit(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
                          const Decided<T>& before) {
@@ -192,7 +192,7 @@ Hit<T> to_the_last_digit(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const 
     return entered<T>(known.hit, found.segment);
 }
 
-/// The same for numbers that tell of operations, of which it has none: a call.
+/// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found, const mask_t<T>& in_range) {
     using number::wide::told_of_call, number::wide::untold;
@@ -220,8 +220,8 @@ Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>
     return entered<T>(hit, {told(CallAnswer::near, end.near), told(CallAnswer::far, end.far)});
 }
 
-/// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
-/// without rounding.
+/// Decides by the planes what `cheap` leaves open: in the wider arithmetic of one word if there is one, then without
+/// rounding.
 template <Number T, class Watch>
 Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, const Decided<T>& cheap, Watch& watch) {
     const Part<T> part("by planes");
@@ -251,7 +251,8 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
     else return to_the_last_digit<T>(ray, slabs, found, known);
 }
 
-/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+/// The same as a function of its own that takes its arguments by value, so that the loops over packs keep their
+/// registers.
 template <Number T, class Watch>
 [[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap, Watch& watch) {
     return beyond<T>(ray, slabs, found, cheap, watch);

@@ -1,4 +1,5 @@
-// The exact steps of `box.filtered`: the ways to its planes as sums of two words, and comparisons of their products.
+// The exact steps of `box.filtered`: the distances to its planes as sums of two words, and comparisons of their
+// products.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -9,20 +10,20 @@
 namespace lostbits::intersect::box {
 namespace filtered {
 
-/// What a step says of a ray: the decision where it is proved, nothing where not.
+/// The result of a step for a ray: the decision if it is proved, else nothing.
 template <Number T>
 struct SlabDecision {
     mask_t<T> proved, hit;
 
-    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
-    /// the second because the first proved nothing.
+    /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
+    /// needed the second step because the first one proved nothing.
     friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
         if constexpr (tells_of_operations<T>) return second;
         else return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
     }
 };
 
-/// A box's planes in the order in which the line meets them, and whether the line runs down the axis.
+/// A box's planes in the order in which the line meets them, which depends on the sign of d.
 template <Number T>
 struct OrderedSlabs {
     std::array<Planes<T>, 3> of;
@@ -38,25 +39,25 @@ auto untold(const OrderedSlabs<T>& slabs) {
     return OrderedSlabs<P>{{planes(slabs.of[0]), planes(slabs.of[1]), planes(slabs.of[2])}};
 }
 
-/// Beyond every t that floats or numbers in the range of `fits` can have.
+/// A number beyond every t of floats, or of numbers in the range of `fits`.
 template <Number W>
 W far_away() {
     return W(1) / number::wide::power_of_two<W>(-960);
 }
 
-/// x, or what is as far as infinity where products are made of it: beyond all that `fits`.
+/// Returns x. An infinite x becomes a number beyond all that `fits`, whose products are finite.
 template <Number W>
 W without_infinity(const W& x) {
     const W most = W(1) / number::wide::power_of_two<W>(-510);
     return max(-most, min(most, x));
 }
 
-/// n_i/m_i ≤ f_j/m_j for each pair of axes, as n_i m_j ≤ f_j m_i, where n and f are the ways to the first and the
-/// second plane and m = |d|, all with the sign of d taken out: that stays true of m = 0, where it says n_i ≤ 0 ≤ f_i,
-/// so that a ray in a plane is inside. Of one axis n ≤ f holds in any case. And the ray's own ends: f_j ≥ 0, n_i ≤
-/// limit m_i.
+/// Tests n_i/m_i ≤ f_j/m_j for each pair of axes, as n_i m_j ≤ f_j m_i. n and f are the distances to the first and the
+/// second plane and m = |d|, all with the sign of d taken out. The test stays true for m = 0, where it says n_i ≤ 0 ≤
+/// f_i, so a ray in a plane is inside. On one axis n ≤ f always holds. The ray's own ends add f_j ≥ 0 and n_i ≤ limit
+/// m_i.
 ///
-/// `below(n, m, f, g)` answers n m ≤ f g in whatever way; `join` puts answers together.
+/// `below(i, j)` answers the test for axes i and j; `join` combines the answers.
 template <class V, class Below, class Join>
 V every_pair(const Below& below, const Join& join, V all) {
     for (int i = 0; i < 3; ++i) {
@@ -66,8 +67,8 @@ V every_pair(const Below& below, const Join& join, V all) {
     return all;
 }
 
-/// n, f and m, the ways exactly as a sum of two words, infinite planes as what is beyond all that `fits`; and the ray's
-/// end, or 0 where it is `endless`.
+/// n, f and m, with the distances exact as a sum of two words, and infinite planes replaced by a number beyond all
+/// that `fits`. `end` is the ray's end, or 0 where it is `endless`.
 template <class B>
 struct Ways {
     std::array<B, 3> m;
@@ -75,7 +76,7 @@ struct Ways {
     B end;
     mask_t<B> endless;
 
-    /// n_i, or 0 where an endless ray gets anywhere along the axis.
+    /// n_i, or 0 if an endless ray moves along the axis.
     [[nodiscard]] number::wide::TwoWords<B> before_end(std::size_t i) const {
         return select(endless && m[i] > B(0), number::wide::TwoWords<B>(0), n[i]);
     }
@@ -102,13 +103,13 @@ auto ways_of(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     return ways;
 }
 
-/// By products of two words, where the numbers `fit`: most rays through an edge end here, since plane − o of floats is
-/// a double. With n = (n, n') and f = (f, f'), n m and f g as n m = p + p', f g = q + q' exactly, and v the roundoff:
+/// Decides by products of two words, where the numbers `fit`. Most rays through an edge end here, since plane − o of
+/// floats is a double. With n = (n, n') and f = (f, f'), n m = p + p' and f g = q + q' exactly, and v the roundoff:
 ///
 ///     n' = f' = 0   n m ≤ f g exactly where p < q, or p = q and p' ≤ q', since rounding keeps order
 ///     else          f g − n m = (s + e) + ((q' − p') + (f' g − n' m)), where s + e = q − p exactly. Each of the four
-///                   small terms is at most v(1 + v) of p or q, e at most v of both, and what is made of them takes
-///                   five roundings: off by less than 9 v² (|p| + |q|), so that 20 v² prove a sign
+///                   small terms is at most v(1 + v) of p or q, e is at most v of both, and their sum takes five
+///                   roundings: off by less than 9 v² (|p| + |q|), so that 20 v² prove a sign
 template <Number T>
 static SlabDecision<T> by_products(const Ways<number::wide::OneWord<T>>& ways) {
     using B = number::wide::OneWord<T>;
@@ -138,8 +139,8 @@ static SlabDecision<T> by_products(const Ways<number::wide::OneWord<T>>& ways) {
     return {told > T(0) || told<T(0), told> T(0)};
 }
 
-/// Exactly where the numbers fit (`fit`), as signs of sums of words: 1 where every comparison holds, −1 where one
-/// fails.
+/// Decides exactly where the numbers fit (`fit`), by the signs of sums of words: 1 where every comparison holds, −1
+/// where one fails.
 template <Number T>
 [[gnu::noinline]] static SlabDecision<T> exactly(const Ways<number::wide::OneWord<T>>& ways, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;

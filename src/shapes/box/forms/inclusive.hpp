@@ -1,5 +1,5 @@
-// The closed box: tmin = min(max(t1, tmin), max(t2, tmin)), tmax = max(min(t1, tmax), min(t2, tmax)), a hit where
-// tmin ≤ tmax. A NaN in t1 or t2 gives tmin and tmax back in its own inner max and min.
+// The closed box: tmin = min(max(t1, tmin), max(t2, tmin)), tmax = max(min(t1, tmax), min(t2, tmax)), a hit where tmin
+// ≤ tmax. With a NaN in t1 or t2, the inner max and min return tmin and tmax.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,6 +1,6 @@
-// `signs` with the last tmax times 1 + 2⁻²², two units in the last place of a float's 1: 4u, where the six roundings of
-// a near and a far plane that meet can part them by 6u, so that a rare ray still slips through. The factor is a
-// constant of the form, the same in every format: no padding at all where it rounds to 1, 2³⁰ last places in binary64,
+// `signs` with the last tmax times 1 + 2⁻²², two units in the last place of a float's 1. That is 4u, and the six
+// roundings of a near and a far plane that meet can separate them by 6u, so a rare ray still slips through. The factor
+// is a constant of the form, the same in every format: no padding where it rounds to 1, 2³⁰ last places in binary64,
 // and a larger box in exact arithmetic.
 #pragma once
 

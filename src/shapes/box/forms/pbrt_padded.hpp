@@ -1,5 +1,5 @@
-// `signs` with each far plane's t times 1 + 2γ(3), so that the three roundings in (bmax − o)·inv and the three in the
-// near plane's t cannot part a near and a far plane that meet. The end of the ray is not padded.
+// `signs` with each far plane's t times 1 + 2γ(3). The three roundings of (bmax − o)·inv and the three of the near
+// plane's t then cannot separate a near and a far plane that meet. The end of the ray is not padded.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,5 +1,5 @@
-// The slab method: a box is three slabs, each between two planes at right angles to an axis, and a ray lies inside a
-// slab from the t of one plane to the t of the other. What several box forms share.
+// The slab method, shared by several box forms. A box is three slabs, each between two planes at right angles to an
+// axis. A ray is inside a slab from the t of one plane to the t of the other.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -7,15 +7,15 @@
 
 namespace lostbits::intersect::box {
 
-/// What the slabs so far have left of the ray: the t from tmin to tmax; nothing where tmin > tmax.
+/// The part of the ray that the slabs so far have left: the t from tmin to tmax; nothing if tmin > tmax.
 template <Number T>
 struct Segment {
     T tmin;
     T tmax;
 };
 
-/// `left` says by the form's own last test whether something is left. near = t = tmin ≥ 0, clipped at the origin; far =
-/// tmax.
+/// Makes the hit. `left` is the form's own last test, true if a part of the ray is left. near = t = tmin ≥ 0, clipped
+/// at the origin; far = tmax.
 template <Number T>
 Hit<T> entered(const mask_t<T>& left, const Segment<T>& segment) {
     return Hit<T>{left, segment.tmin, segment.tmin, segment.tmax};
@@ -28,36 +28,36 @@ struct Planes {
     T bmax;
 };
 
-/// A box from a kernel that knows the ray's signs beforehand: its planes lie in the order in which the line meets them.
+/// A box from a kernel that already knows the ray's signs: its planes are in the order in which the line meets them.
 template <class T>
 struct OrderedBox {
     Vec<T> first;
     Vec<T> second;
 };
 
-/// What the forms that put planes in order by the sign of 1/d alone may be given.
+/// The boxes that a form may be given if it orders planes by the sign of 1/d alone.
 template <class B, class T>
 concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 
-/// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞
-/// and its planes change places, so a ray between them still runs from −∞ to +∞.
+/// Orders the planes: lo before hi if the sign bit of inv = 1/d is clear, hi before lo if it is set. A direction of −0
+/// has inv = −∞ and its planes are swapped, so a ray between them still runs from −∞ to +∞.
 template <Number T>
 Planes<T> planes_by_sign(const Box<T>& box, int axis, const T& inv) {
     const mask_t<T> sign = copysign(T(1), inv) < T(0);
     return {select(sign, box.hi[axis], box.lo[axis]), select(sign, box.lo[axis], box.hi[axis])};
 }
 
-/// As the kernel has found them.
+/// Returns the planes in the order that the kernel found.
 template <Number T>
 Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
     return {box.first[axis], box.second[axis]};
 }
 
 /// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
-/// ray in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers
-/// and no Segment: GCC 12 writes a struct of packs to the stack in every round.)
+/// ray in one of the planes) leaves both as they were, because min and max return their second operand. (It takes two
+/// numbers, not a Segment: GCC 12 writes a struct of packs to the stack in every round.)
 ///
-/// `each(axis, inv, dmax)` sees them all.
+/// `each(axis, inv, dmax)` is called for every axis.
 template <Number T, BoxOf<T> B, class Each>
 void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Each& each) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -75,19 +75,19 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
     clip_by_signs(ray, box, tmin, tmax, [](int, const T&, const T&) {});
 }
 
-/// Whether x is a number and not NaN: NaN fails both comparisons.
+/// True if x is not NaN: NaN fails both comparisons.
 template <Number T>
 mask_t<T> is_number(const T& x) {
     return x < T(0) || x >= T(0);
 }
 
-/// IEEE 754-2008 minNum: of a number and a NaN the number, wherever it stands.
+/// IEEE 754-2008 minNum: if one operand is NaN, the other one, whatever their order.
 template <Number T>
 T min_num(const T& a, const T& b) {
     return select(is_number(b), min(a, b), a);
 }
 
-/// IEEE 754-2008 maxNum: of a number and a NaN the number, wherever it stands.
+/// IEEE 754-2008 maxNum: if one operand is NaN, the other one, whatever their order.
 template <Number T>
 T max_num(const T& a, const T& b) {
     return select(is_number(b), max(a, b), a);

@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::capsule {
 
-/// `size` is half of the axis, or nearly; the radius is a sixteenth of it or up to as large.
+/// `size` is about half of the axis. The radius is between a sixteenth of `size` and all of it.
 struct CapsuleFamily : rays::AimedFamily<CapsuleFamily> {
     static constexpr std::string_view table = "capsule_family";
 

@@ -1,4 +1,4 @@
-// Where the line is inside, the side and the balls at its ends: a filter by its span.
+// A filter by the span of the capsule: the interval in which the line is inside the side and the balls at its ends.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,4 +1,4 @@
-// Both roots by half b: of the side from cross products with the axis, and of both balls.
+// Both roots by half b: those of the side from cross products with the axis, and those of both balls.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"

@@ -1,4 +1,4 @@
-// What several capsule forms share: by which of side and balls a line enters and leaves.
+// Shared by several capsule forms: chooses by which of side and balls a line enters and leaves.
 #pragma once
 
 #include "intersect/roots.hpp"
@@ -6,16 +6,16 @@
 
 namespace lostbits::intersect::capsule {
 
-/// Where the line meets a part of a capsule, and whether it misses it.
+/// The roots of the line with a part of a capsule; `missed` says that it misses the part.
 template <Number T>
 struct PartMet {
     mask_t<T> missed;
     RootPair<T> roots;
 };
 
-/// With the place along the axis of the side's roots, low + t across: a root between 0 and v² is the capsule's, one
-/// below gives way to the ball at the base, one above to that at the top. A line beside the axis (a NaN) takes the
-/// balls.
+/// Chooses by the position of the side's roots along the axis, low + t across. A root between 0 and v² is that of the
+/// capsule. Below 0 the ball at the base replaces the side, above v² the ball at the top. A line parallel to the axis
+/// (a NaN) takes the balls.
 template <Number T>
 Hit<T> joined(const PartMet<T>& side, const PartMet<T>& base, const PartMet<T>& top, const T& low, const T& across,
               const T& v2) {

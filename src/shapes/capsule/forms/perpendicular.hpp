@@ -1,5 +1,5 @@
-// The shortest way decides: between line and axis for the side, from each end to the line for its ball; the roots
-// subtract nothing of like size.
+// The shortest distance decides: between line and axis for the side, from each end to the line for its ball. The roots
+// subtract no numbers of similar size.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"

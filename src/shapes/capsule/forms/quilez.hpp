@@ -1,5 +1,5 @@
-// Quilez: the quadratic of the side from dot products, and one of the balls where its near root lies beyond an end;
-// unit directions, and a near root alone.
+// Quilez: the quadratic of the side from dot products, and that of one ball if the near root of the side is beyond an
+// end. It takes unit directions and finds the near root only.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"

@@ -5,8 +5,8 @@
 
 namespace lostbits::scene::cone {
 
-/// `size` is half of the height, or nearly; the radius at the base is a sixteenth of it or up to as large, that at the
-/// top anything below, 0 of one cone in four.
+/// `size` is about half of the height. The radius at the base is between a sixteenth of `size` and all of it. The
+/// radius at the top is anything below that, and 0 for one cone in four.
 struct ConeFamily : rays::AimedFamily<ConeFamily> {
     static constexpr std::string_view table = "cone_family";
 
@@ -15,7 +15,7 @@ struct ConeFamily : rays::AimedFamily<ConeFamily> {
         const double radius = size * random.between(0.0625, 1), share = random.between(-1.0 / 3, 1);
         return Cone<double>{middle - half, middle + half, radius, share > 0 ? share * radius : 0};
     }
-    /// A point of the largest square bar inside.
+    /// Draws a point of the largest square bar inside.
     static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.unit(), y = random.between(0.15, 0.85), z = random.between(0.15, 0.85);
         return solid.cone().point_at({x, y, z});

@@ -1,5 +1,5 @@
-// The vectors across the axis by cross products, whose squares the quadric is made of: what is near the axis loses
-// nothing to the length of the way to it.
+// The quadric from the squares of vectors across the axis, which cross products make. Lines near the axis lose no
+// digits to the distance of the cone.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"

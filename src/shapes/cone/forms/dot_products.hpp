@@ -1,5 +1,5 @@
-// The quadric |p − axis|² = (linear radius)² from dot products with the axis, with h = b/2: v²f² − (v·f)² is what the
-// square of v × f would be, and a and h likewise.
+// The quadric |p − axis|² = (linear radius)² from dot products with the axis, with h = b/2. v²f² − (v·f)² stands for
+// the square of v × f; a and h are formed in the same way.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"

@@ -1,5 +1,5 @@
-// Embree's flat curve of cone segments with both caps: the origin is moved to the middle's foot on the line, everything
-// is multiplied out, and the nearest of side and caps decides.
+// Embree's flat curve of cone segments with both caps. The origin is moved to the foot of the perpendicular from the
+// middle, everything is multiplied out, and the nearest of side and caps decides.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"
@@ -47,7 +47,7 @@ struct EmbreeCone {
     }
 
 private:
-    /// Where the line crosses a part of the solid, if it does.
+    /// The t at which the line crosses a part of the primitive; `counts` is false if it does not.
     template <Number T>
     struct Crossing {
         mask_t<T> counts;

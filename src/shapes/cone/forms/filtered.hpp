@@ -1,4 +1,4 @@
-// Where the line is inside, the side and the caps: a filter by its span.
+// A filter by the span of the cone: the interval in which the line is inside the side and the caps.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,5 +1,5 @@
-// An instance along z: a frame from the axis, the ray taken into it, x² + y² = (r + s z)² there, and the caps z = 0 and
-// z = height. The axis and what is across it are rounded, and with them the shape.
+// An instance along z. The ray is transformed into a frame made from the axis. There the cone is x² + y² = (r + s z)²,
+// with the caps z = 0 and z = height. The axis and the vectors across it are rounded, and the shape with them.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"
@@ -10,7 +10,7 @@ namespace lostbits::intersect::cone {
 struct InConeFrame {
     static constexpr Info info{
         .name = "cone.framed",
-        .title = "taken into a frame along the axis",
+        .title = "transformed into a frame along the axis",
         .source = "pbrt-v3, src/shapes/cone.cpp, with CoordinateSystem (Duff et al. 2017) as its transform",
     };
 

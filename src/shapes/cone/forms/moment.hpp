@@ -1,5 +1,6 @@
-// The discriminant from the moment w = d × f, in which no length of f is squared: disc/v² = |ρn − σm|² − v⁴ (v·w)² with
-// ρn − σm = v² (r n − s w) + s (v·w) v; the roots subtract nothing of like size, and the caps divide nothing.
+// The discriminant from the moment w = d × f, in which no length of f is squared: disc/v² = |ρn − σm|² − v⁴ (v·w)²
+// with ρn − σm = v² (r n − s w) + s (v·w) v. The roots subtract no numbers of similar size, and the caps need no
+// division.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"

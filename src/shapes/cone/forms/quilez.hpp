@@ -1,4 +1,4 @@
-// Quilez: the caps first, then k2, k1, k0 with the length of the direction taken to be 1.
+// Quilez: the caps first, then k2, k1, k0. The length of the direction is assumed to be 1.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"

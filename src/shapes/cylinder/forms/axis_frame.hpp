@@ -1,4 +1,4 @@
-// The transform into an instance along z: a frame from the axis.
+// The transform into an instance along z: a frame made from the axis.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-/// x, y and z with z along the axis. Source: pbrt-v4, CoordinateSystem (Duff et al. 2017).
+/// The axes x, y and z of the frame, with z along the axis. Source: pbrt-v4, CoordinateSystem (Duff et al. 2017).
 template <Number T>
 struct AxisFrame {
     T height;

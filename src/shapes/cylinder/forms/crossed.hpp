@@ -1,5 +1,5 @@
-// The vectors across the axis first: n × d and m × d by cross products, whose squares are a and c + r²d². What is near
-// the axis loses nothing to the length of the axis.
+// The vectors across the axis first: n = v × d and m = v × f. With them a = n², h = m·n and c = m² − r²v². Lines near
+// the axis lose no digits to the length of the axis.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"

@@ -1,5 +1,5 @@
-// Ericson: the quadratic from dot products with the axis, md = m·d, nd = n·d and so on: a = (d·d)(n·n) − nd² is what
-// the square of n × d would be, and c likewise. A line beside the axis is a miss or goes through both caps.
+// Ericson: the quadratic from dot products with the axis, md = m·d, nd = n·d and so on. a = (d·d)(n·n) − nd² stands
+// for the square of n × d; c is formed in the same way. A line parallel to the axis misses or goes through both caps.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"

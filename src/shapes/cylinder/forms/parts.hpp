@@ -1,4 +1,4 @@
-// What several cylinder forms share: caps by planes, roots by the quadratic, and the smaller interval of the two.
+// Shared by several cylinder forms: caps by planes, roots by the quadratic, and the intersection of the two intervals.
 #pragma once
 
 #include "intersect/roots.hpp"
@@ -6,14 +6,14 @@
 
 namespace lostbits::intersect::cylinder {
 
-/// From t of the nearer cap to that of the other, of a line that passes them at these t in either order.
+/// The t of the nearer cap and that of the other, for a line that passes the caps at these t in either order.
 template <Number T>
 RootPair<T> between(const T& base, const T& top) {
     return {min(base, top), max(base, top)};
 }
 
-/// Where the line is in the side and between the caps: the first t ≥ 0 of near and far. A NaN fails every test, as in
-/// `first_hit`.
+/// The first t ≥ 0 of near and far, the interval in which the line is inside the side and between the caps. A NaN
+/// fails every test, as in `first_hit`.
 template <Number T>
 Hit<T> first_of_both(const mask_t<T>& missed, const RootPair<T>& side, const RootPair<T>& caps) {
     const T near = named("near", select(side.near < caps.near, caps.near, side.near));
@@ -21,7 +21,7 @@ Hit<T> first_of_both(const mask_t<T>& missed, const RootPair<T>& side, const Roo
     return first_hit<T>(missed || far < near, {near, far});
 }
 
-/// The same with a line beside the axis, a = 0, told from the others: it is within the side, c ≤ 0, or misses.
+/// The same, with lines parallel to the axis, a = 0, handled separately: they are within the side, c ≤ 0, or miss.
 template <Number T>
 Hit<T> first_of_both(const T& a, const T& c, const T& disc, const RootPair<T>& side, const RootPair<T>& caps) {
     const mask_t<T> beside = a <= T(0);

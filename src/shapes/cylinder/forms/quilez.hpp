@@ -1,5 +1,5 @@
-// Quilez: k2 = ba·ba − bard² and so on, with the direction's length taken to be 1, and both caps by the sign of the
-// place along the axis.
+// Quilez: k2 = ba·ba − bard² and so on. The length of the direction is assumed to be 1. The sign of the position along
+// the axis chooses the cap.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"

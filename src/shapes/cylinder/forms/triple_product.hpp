@@ -1,5 +1,5 @@
-// The shortest way between line and axis decides: disc = v² (r² n² − (f·n)²), n = v × d, so that the square of a
-// determinant is subtracted, not a product of the far distance with itself; the roots subtract nothing of like size.
+// The shortest distance between line and axis decides: disc = v² (r² n² − (f·n)²), n = v × d. It subtracts the square
+// of a determinant, not a product of the far distance with itself. The roots subtract no numbers of similar size.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"

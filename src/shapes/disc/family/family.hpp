@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::disc {
 
-/// `size` is the outer radius; every second one is an annulus.
+/// `size` is the outer radius. Half of the discs are annuli.
 struct DiscFamily : rays::AimedFamily<DiscFamily> {
     static constexpr std::string_view table = "disc_family";
 

@@ -1,4 +1,4 @@
-// The point on the plane in world space, and only then its way from the centre.
+// Computes the point on the plane in world space first, and then its distance from the centre.
 #pragma once
 
 #include "shapes/disc/forms/parts.hpp"

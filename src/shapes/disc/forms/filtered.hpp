@@ -1,4 +1,4 @@
-// Where the line is inside, the plane and both rims: a filter by its span.
+// A filter by the span of the disc: the t at which the line crosses the plane, and both rims.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,4 +1,4 @@
-// An instance in the plane z = 0: the ray taken into a frame along the normal, and x² + y² there.
+// An instance in the plane z = 0: the ray is transformed into a frame along the normal, and x² + y² is taken there.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -9,7 +9,7 @@ namespace lostbits::intersect::disc {
 struct InPlaneFrame {
     static constexpr Info info{
         .name = "disc.framed",
-        .title = "taken into a frame along the normal",
+        .title = "transformed into a frame along the normal",
         .source = "pbrt-v4, src/pbrt/shapes.h, Disk, with CoordinateSystem (Duff et al. 2017) as its transform",
         .roots = Roots::first_only,
     };

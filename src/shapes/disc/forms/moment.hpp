@@ -1,5 +1,5 @@
-// n·d times the way from the centre to the point is n × (f × d): no point far away is made, and nothing is divided
-// before it is decided.
+// n·d times the vector from the centre to the point is n × (f × d). No point far away is computed, and nothing is
+// divided before the decision.
 #pragma once
 
 #include "shapes/disc/forms/parts.hpp"

@@ -1,4 +1,4 @@
-// What several disc forms share.
+// Shared by several disc forms.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::disc {
 
-/// The answer of a form that finds one t, and the square of how far from the centre that is. A NaN is no hit.
+/// The answer of a form that finds one t, from the squared distance of that point from the centre. A NaN is not a hit.
 template <Number T>
 Hit<T> met_at_rim(const T& t, const T& distance2, const Disc<T>& disc) {
     const auto inside = distance2 <= square(disc.outer_radius) && distance2 >= square(disc.inner_radius);

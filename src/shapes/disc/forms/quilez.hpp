@@ -1,4 +1,4 @@
-// Quilez: the origin as seen from the centre first.
+// Quilez: subtracts the centre from the origin first.
 #pragma once
 
 #include "shapes/disc/forms/parts.hpp"

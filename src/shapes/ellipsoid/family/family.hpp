@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::ellipsoid {
 
-/// `size` is the longest radius, or nearly; the others are as long or down to a quarter of it.
+/// Each radius is between a quarter of `size` and all of it.
 struct EllipsoidFamily : rays::AimedFamily<EllipsoidFamily> {
     static constexpr std::string_view table = "ellipsoid_family";
 
@@ -13,7 +13,7 @@ struct EllipsoidFamily : rays::AimedFamily<EllipsoidFamily> {
         const double x = random.between(0.25, 1), y = random.between(0.25, 1), z = random.between(0.25, 1);
         return Ellipsoid<double>{middle, {size * x, size * y, size * z}};
     }
-    /// A point of the largest box inside.
+    /// Draws a point of the largest box inside.
     static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.between(0.22, 0.78), y = random.between(0.22, 0.78), z = random.between(0.22, 0.78);
         return solid.ellipsoid().point_at({x, y, z});

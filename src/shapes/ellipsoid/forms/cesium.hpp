@@ -1,5 +1,5 @@
-// Cesium: the ray times 1/r, which is rounded once for all rays. Outside, a line that leaves is missed; else the far
-// root by the larger of the two sums, and the near one as difference/temp.
+// Cesium: the ray times 1/r, which is rounded once for all rays. From outside, a line that leads away misses.
+// Otherwise the far root uses the larger of the two sums, and the near one is difference/temp.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"
@@ -13,7 +13,7 @@ struct CesiumInterval {
         .source = "CesiumGS/cesium 0671b6d, packages/engine/Source/Core/IntersectionTests.js, rayEllipsoid",
     };
 
-    /// With q the origin and w the direction in radii: q² − 1, qw and w² of the source.
+    /// q is the origin and w the direction in radii; q² − 1, qw and w² are named as in the source.
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
         const Vec<T> inverse = divided<T>(Vec<T>(T(1), T(1), T(1)), e.radii);

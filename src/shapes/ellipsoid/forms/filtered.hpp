@@ -1,4 +1,4 @@
-// Where the line is inside, the products of radii that the discriminant is made of: a filter by its span.
+// A filter by the span of the ellipsoid: the interval in which the line is inside, from products of the radii.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,4 +1,4 @@
-// The same quadratic with h = b/2.
+// The quadratic of `schoolbook` with h = b/2.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

@@ -6,13 +6,13 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-/// Each component by that of the other.
+/// Divides each component of a by that of b.
 template <Number T>
 Vec<T> divided(const Vec<T>& a, const Vec<T>& b) {
     return {a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
-/// f = (o − G)/r and d/r.
+/// The ray in radii: f = (o − G)/r and d/r.
 template <Number T>
 struct RayInRadii {
     Vec<T> f, d;

@@ -1,4 +1,4 @@
-// The quadratic without a division, multiplied out: twelve products of degree six make the radicand, and what is left
+// The quadratic without a division, multiplied out. Twelve products of degree six make the radicand, and what remains
 // of them is what the perpendicular leaves of a sphere.
 #pragma once
 
@@ -14,7 +14,7 @@ struct LineOfSight {
         .roots = Roots::near_only,
     };
 
-    /// (x, y, z) is the origin as seen from the centre, (u, v, w) the direction, (a, b, c) the radii.
+    /// (x, y, z) is the origin relative to the centre, (u, v, w) the direction, (a, b, c) the radii.
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
         const Vec<T> f = ray.origin - e.centre;

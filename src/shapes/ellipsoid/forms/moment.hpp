@@ -1,5 +1,6 @@
-// Lagrange's identity: the discriminant is (d/r)² − Σ (m/(r r'))² with the moment m = f × d, in each component by the
-// radii of the other two axes. The moment is of the ray as it is: nothing is divided before it cancels.
+// Lagrange's identity: the discriminant is (d/r)² − Σ (m/(r r'))² with the moment m = f × d, each component divided by
+// the radii of the other two axes. The moment is that of the ray before scaling, so nothing is divided before it
+// cancels.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

@@ -1,4 +1,4 @@
-// The same quadratic with the roots of Press et al., which subtract nothing of like size.
+// The quadratic of `schoolbook` with the roots of Press et al., which subtract no numbers of similar size.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

@@ -1,4 +1,4 @@
-// The ray divided by the radii, against the unit sphere: half b, plain roots.
+// The ray divided by the radii and tested with the unit sphere: half b, plain roots.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

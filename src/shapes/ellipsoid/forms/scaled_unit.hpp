@@ -1,5 +1,5 @@
-// What an instance of the unit sphere does whose direction is made a unit vector again in its own coordinates: a = 1,
-// and t divided by the length that was taken away.
+// An instance of the unit sphere whose ray is normalised in its own coordinates: a = 1, and t is divided by the length
+// that normalising removed.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

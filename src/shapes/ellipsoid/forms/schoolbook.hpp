@@ -1,4 +1,4 @@
-// The quadratic of the quadric as everyone writes it, with 1/r² as weights, b and 4ac, and the plain roots.
+// The quadratic as most code writes it, with 1/r² as weights, b and 4ac, and the plain roots.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

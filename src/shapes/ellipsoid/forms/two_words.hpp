@@ -1,5 +1,5 @@
-// The quadratic in two words of the format, the roots in one: what a GPU without doubles can do about an eye near the
-// ground, where c = |f/r|² − 1 and the discriminant keep only what the height leaves of the radius.
+// The quadratic in two words of the format, the roots in one. A GPU without doubles can use it for an eye near the
+// ground, where c = |f/r|² − 1 and the discriminant keep only the digits that the height leaves of the radius.
 #pragma once
 
 #include "number/wide/two_words.hpp"

@@ -1,5 +1,5 @@
-// No answer where |n·d| or t is no more than 2^-23: a cosine, if both have length one, and a length in the unit of the
-// scene.
+// Misses where |n·d| or t is no more than 2^-23. The first is a cosine if both vectors have length one; the second is
+// a length in the unit of the scene.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -11,7 +11,7 @@ namespace lostbits::intersect::plane {
 struct WithEpsilon {
     static constexpr Info info{
         .name = "plane.epsilon",
-        .title = "nothing where |n.d| or t is 2^-23 or less",
+        .title = "misses if |n.d| or t is 2^-23 or less",
         .source = "bevy, crates/bevy_math/src/ray.rs, Ray3d::intersect_plane",
         .direction = Direction::unit,
         .roots = Roots::first_only,

@@ -1,4 +1,4 @@
-// Where the line is inside, the two dot products: a filter by its span.
+// A filter by the span of the plane: the t at which the line crosses it, from two dot products.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,4 +1,5 @@
-// The plane as n·p + w = 0: w = −n·P is rounded once for all rays, at the size of the way to the origin of the world.
+// The plane as n·p + w = 0: w = −n·P is rounded once for all rays, and its error grows with the distance from the
+// origin of the world.
 #pragma once
 
 #include "intersect/info.hpp"

@@ -1,5 +1,5 @@
-// Both dot products in two words of the format, the quotient in one: for eyes near a plane that is far from the origin
-// of the world, or rays along it.
+// Both dot products in two words of the format, the quotient in one. It is for eyes near a plane that is far from the
+// origin of the world, or for rays along the plane.
 #pragma once
 
 #include "intersect/info.hpp"

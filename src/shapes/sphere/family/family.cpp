@@ -24,8 +24,9 @@ struct Quadruple {
     int a, b, c, n;
 };
 
-/// Every a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127: 559, and up to 48 directions of each.
-/// So many that a thousand views hardly share one; so small that twelve bits times any of them is exact in binary32.
+/// All a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127. There are 559, each with up to 48
+/// directions. That is enough that a thousand views hardly share one. They are small enough that twelve bits times any
+/// of them is exact in binary32.
 std::vector<Quadruple> pythagorean_quadruples() {
     std::vector<Quadruple> found;
     for (int n = 3; n <= 127; n += 2) {  // n is odd: squares are 0 or 1 modulo 4
@@ -39,7 +40,7 @@ std::vector<Quadruple> pythagorean_quadruples() {
     return found;
 }
 
-/// A view direction (a, b, c) in whole numbers, of length n.
+/// A view direction (a, b, c) in whole numbers. Its length is n.
 struct View {
     Vec<double> w;
     double n;
@@ -53,7 +54,7 @@ Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
     return {parts[0], parts[1], parts[2]};
 }
 
-/// A point of the unit circle, without sine and cosine, which differ by machine.
+/// Draws a point of the unit circle without sine and cosine, which differ between machines.
 std::pair<double, double> draw_on_circle(Random& random) {
     for (;;) {
         const double y = random.between(-1, 1), z = random.between(-1, 1), size = y * y + z * z;
@@ -77,12 +78,13 @@ View draw_view(Random& random, const SphereFamily& f) {
     return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
-/// Views along an axis or beside it have few centres: without this, all of them would share the rounding of c.
+/// A factor near 1 for the views along an axis or beside it. They have few centres, and without it all of them would
+/// share the rounding of c.
 double jitter(Random& random, const SphereFamily& f) {
     return f.directions == SphereFamily::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
-/// Where a line passes the centre: its distance in radii and a direction across w.
+/// Describes how a line passes the centre: its distance in radii, and a direction across w.
 struct Impact {
     double s;
     Vec<double> across;
@@ -94,14 +96,14 @@ Impact draw_impact(Random& random, const SphereFamily& f, const View& view) {
     if (f.silhouette_gap > 0) {
         s = 1 - f.silhouette_gap;
     } else if (f.weighting == SphereFamily::Weighting::silhouette) {
-        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to; by MPFR, for libm's pow differs by
-        // machine.
+        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to. It uses MPFR because libm's pow differs
+        // between machines.
         const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
         s = 1 - (1 - f.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
     } else {
         s = std::sqrt(f.impact_from * f.impact_from + u * (f.impact_to * f.impact_to - f.impact_from * f.impact_from));
     }
-    // One by one: a compiler chooses the order of arguments, and clang's is not gcc's.
+    // Draw one by one: the compiler chooses the order in which arguments are evaluated, and clang and gcc differ.
     const double z = 2 * random.unit() - 1, y = 2 * random.unit() - 1, x = 2 * random.unit() - 1;
     const Vec<double> side(x, y, z);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
@@ -125,11 +127,11 @@ RayGroup view_rays(Random& random, const SphereFamily& f) {
     for (int i = 0; i < f.rays; ++i) {
         const Impact impact = draw_impact(random, f, view);
         if (parallel) {
-            // The direction is (a, b, c) over a power of two near n: exact, and along the centre's.
+            // The direction is (a, b, c) over a power of two near n: exact, and parallel to the centre's direction.
             const double scale = magnitude * std::ldexp(1.0, -std::ilogb(view.n));
             group.rays.push({stored(away + (impact.s * radius) * impact.across), stored(scale * view.w)});
         } else {
-            // From height h a line that passes the centre at s·r leaves the vertical by asin(s r/(r + h)).
+            // From height h, a line that passes the centre at s·r makes the angle asin(s r/(r + h)) with the vertical.
             const double sine = std::clamp(impact.s * radius / (radius + f.height), -1.0, 1.0);
             const double cosine = std::sqrt((1 - sine) * (1 + sine));
             const Vec<double> towards = sine * impact.across - (f.away ? -cosine : cosine) * w;

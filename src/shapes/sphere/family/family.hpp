@@ -1,4 +1,4 @@
-// Families of rays: one sphere and a seeded set of rays around it, with the numbers a sweep turns.
+// Random rays at spheres: one sphere and a seeded set of rays around it, with the numbers that a sweep varies.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,18 @@
 
 namespace lostbits::scene::sphere {
 
-/// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
-/// distances a sweep asks for exist exactly in binary32, in oblique directions too.
+/// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples). The
+/// distances that a sweep asks for then exist exactly in binary32, in oblique directions too.
 struct SphereFamily {
     static constexpr std::string_view table = "family";
 
-    /// parallel: rays along w from a disc at the world's origin, the centre at M·(a, b, c), which is `distance` radii
-    /// away to 12 bits of M. point: the surface passes through the world's origin exactly, and all rays of a view start
-    /// `height` above it, along −w and aside of it.
+    /// parallel: rays along w from a disc at the world's origin. The centre is at M·(a, b, c), which is `distance`
+    /// radii away to 12 bits of M. point: the surface passes through the world's origin exactly. All rays of a view
+    /// start `height` above it, and point along −w and to the side of it.
     enum class Projection { parallel, point };
     /// tilted: w ∥ (1, tilt·y, tilt·z) with (y, z) anywhere on the unit circle and the axes in any order, each
-    /// component to 12 bits; distance or radius within 1/64 of what is asked for. axis: likewise, with tilt = 0.
+    /// component to 12 bits. The distance or the radius is within 1/64 of the requested one. axis: the same with tilt
+    /// = 0.
     enum class Views { oblique, axis, tilted };
     enum class Weighting { disc, silhouette };
 
@@ -38,14 +39,14 @@ struct SphereFamily {
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double tilt = 0;                 ///< tilted: tangent of the angle to an axis
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;  ///< directions w, with a centre each: what the rays of a view share is one sample of it
-    int rays = 1;      ///< rays per view
+    int views = 1024;                ///< directions w, each with a centre; the rays of one view form one sample
+    int rays = 1;                    ///< rays per view
     std::uint64_t seed = 1;
 
     /// Reads `[family]`. InputError with a position for anything out of range.
     static SphereFamily read(toml::TableReader table);
-    /// The rays of a family: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
-    /// alone, so neighbouring steps of a sweep see the same rays in the sphere's own proportions.
+    /// Draws the rays: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
+    /// alone, so neighbouring steps of a sweep have the same rays in units of the sphere.
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
     static std::span<const rays::RaySet> sets();

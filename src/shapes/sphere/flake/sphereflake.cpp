@@ -12,7 +12,7 @@
 namespace lostbits::scene::sphere {
 namespace {
 
-/// Where the nine children sit, in the parent's (u, v, w).
+/// Directions to the nine children, in the parent's (u, v, w).
 const std::array<Vec<double>, 9>& seats() {
     static const auto nine = [] {
         const double half_root3 = std::sqrt(3.0) / 2, height = std::sqrt(2.0 / 3.0), aside = std::sqrt(1.0 / 3.0);
@@ -63,7 +63,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
     flake.levels = static_cast<int>(levels);
     if (const auto centre = table.optional_vec3("centre")) flake.centre = stored(*centre);
     if (const auto radius = table.optional_number("radius")) flake.radius = stored(*radius);
-    // The smallest sphere must still be one in binary32.
+    // The smallest sphere must still be representable in binary32.
     if (!(flake.radius >= 0x1p-100) || !(flake.radius <= 0x1p100))
         table.fail_at("radius", "must lie between 2^-100 and 2^100; write 1");
     for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,5 @@
-// The sphereflake of Haines' standard procedural databases: a sphere, and nine of a third of its size on it, and so on.
+// The sphereflake of Haines' standard procedural databases: a sphere with nine spheres of a third of its size on it,
+// and so on for each of those.
 #pragma once
 
 #include <functional>
@@ -9,17 +10,17 @@
 
 namespace lostbits::scene::sphere {
 
-/// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w,
-/// carries nine of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at
-/// the height √(2/3) above it, at 120°. The axis of a child points away from its parent; u = e × w/|e × w| is where
-/// angles start, with e the x axis, or the y axis where |w.x| > 0.8; v = w × u.
+/// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r and axis w
+/// carries nine of radius r/3 that touch it from outside: six around its equator, 60° apart, and three at the height
+/// √(2/3) above it, 120° apart. The axis of a child points away from its parent. Angles start at u = e × w/|e × w|,
+/// where e is the x axis, or the y axis if |w.x| > 0.8; v = w × u.
 struct Sphereflake {
     static constexpr Shape shape = Shape::sphere;
     int levels = 0;
     Vec<double> centre{0, 0, 0};
     double radius = 1;
-    Vec<double> axis{0, 0, 1};                ///< of the largest sphere; of any length but zero
-    intersect::process::StopToken stop = {};  ///< of who loaded it: asked at every sphere that grows
+    Vec<double> axis{0, 0, 1};                ///< of the largest sphere; any length except zero
+    intersect::process::StopToken stop = {};  ///< the loader's token, checked at every sphere that grows
 
     [[nodiscard]] std::size_t size() const;
 };
@@ -27,15 +28,16 @@ struct Sphereflake {
 /// Levels 0 to 9 (9 has 436 million spheres).
 inline constexpr int most_flake_levels = 9;
 
-/// Reads `[sphereflake]`: levels, and perhaps centre, radius > 0 and axis, as binary64. InputError with a position.
+/// Reads `[sphereflake]`: levels, and optionally centre, radius > 0 and axis, as binary64. Throws InputError with a
+/// position.
 Sphereflake read_sphereflake(toml::TableReader table);
 
-/// EnvironmentError where that many spheres need more memory than three quarters of what this machine has: 40 bytes
-/// each, with own inputs and some formats (a map in binary32 takes 18 to 20).
+/// Throws EnvironmentError if the spheres need more than three quarters of this machine's memory. It counts 40 bytes
+/// for each, enough for own inputs and some formats (a map in binary32 takes 18 to 20).
 void require_room_for(const Sphereflake& flake);
 
-/// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same
-/// numbers on every machine. They are the ideal numbers of the scene.
+/// Makes every sphere, parents before their children, always in the same order. It uses binary64 and only + − × ÷ √,
+/// so the numbers are the same on every machine. They are the ideal numbers of the scene.
 void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take);
 
 }  // namespace lostbits::scene::sphere

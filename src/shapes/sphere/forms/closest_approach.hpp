@@ -1,8 +1,8 @@
 // After Mitsuba 3: move the origin to the point of closest approach, t₀ = b'/a, O' = O + t₀d, solve the half-b
-// quadratic with Press et al. roots from there, and add t₀ back. Mitsuba divides by |d| where a = d·d stands here (its
-// directions have unit length; for any other its O' is not the closest point), keeps the factor 2 in b, and computes in
-// double on the CPU, all but t₀ and O', which pass through float. Here the arithmetic is that of the format, whatever
-// it is.
+// quadratic with Press et al. roots from there, and add t₀ back. There are three differences. Mitsuba divides by |d|
+// where this form divides by a = d·d (its directions have unit length; for any other its O' is not the closest point).
+// It keeps the factor 2 in b. On the CPU it computes everything in double, except t₀ and O', which pass through float;
+// this form computes in the format of its input.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,5 +1,5 @@
-// Lagrange's identity: aΔ = a r² − |f × d|². The cross product subtracts products, so it keeps what f·f − tca² loses.
-// Roots as in `unified`.
+// Lagrange's identity: aΔ = a r² − |f × d|². The cross product subtracts products, so it keeps the digits that f·f −
+// tca² loses. The roots are those of `unified`.
 #pragma once
 
 #include "intersect/roots.hpp"

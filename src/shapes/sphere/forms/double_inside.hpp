@@ -1,5 +1,5 @@
 // Float in, double arithmetic, float out: the schoolbook discriminant with Press et al. roots, all in the wider type,
-// one rounding at the end. What "just use double" buys.
+// with one rounding at the end. It shows the gain of "just use double".
 #pragma once
 
 #include "intersect/roots.hpp"

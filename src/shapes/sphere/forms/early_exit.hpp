@@ -1,6 +1,6 @@
-// `unified` with the shortcut: a sphere behind a ray that starts outside (b' < 0 and c > 0) is a miss, and the sign
-// of c says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed. On the surface
-// (c = 0, of which the source is silent) c/q = 0 is the first root, whichever way the ray looks.
+// `unified` with a shortcut. A sphere behind a ray that starts outside (b' < 0 and c > 0) is a miss. The sign of c
+// says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed. On the surface (c = 0, a
+// case that the source does not mention) c/q = 0 is the first root, whatever the direction of the ray.
 #pragma once
 
 #include "intersect/roots.hpp"
@@ -28,7 +28,7 @@ struct EarlyExit {
         const mask_t<T> behind = minus_b < T(0);
         const T root = sqrt(a * delta);
         const T q = named("q", minus_b + select(behind, -root, root));
-        // Inside: far is q/a where the centre is ahead, c/q where it is behind. Otherwise near = c/q.
+        // Inside, the far root is q/a if the centre is ahead, c/q if it is behind. Otherwise near = c/q.
         const T t = named("t", select(c < T(0) && !behind, q / a, c / q));
         return Hit<T>{!(delta < T(0) || (behind && outside)), t, t, t};
     }

@@ -1,4 +1,4 @@
-// `unified` with c = (|f| − r)(|f| + r): the last cancellation of `unified` taken before squaring.
+// `unified` with c = (|f| − r)(|f| + r): its last cancellation is made before squaring.
 #pragma once
 
 #include "intersect/roots.hpp"

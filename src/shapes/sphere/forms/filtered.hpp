@@ -1,7 +1,7 @@
-// A cheap way with a bound on what rounding can have done to it; where the bound does not prove the decision, or leaves
-// t less than 18 correct bits of 24 (47 of 53), the ray is done again in wider arithmetic, and where that does not
-// prove it either, in wider still: float, double, double-double, exact sums. In packs one branch a register asks
-// whether any lane needs it. The first intersection alone: near = far = t.
+// A cheap method with a bound on its rounding error. If the bound does not prove the decision, or leaves t less than
+// 18 correct bits of 24 (47 of 53), the ray is computed again in wider arithmetic, and then in still wider: float,
+// double, double-double, exact sums. In packs, one branch for each register asks if any lane needs it. It finds the
+// first intersection only: near = far = t.
 #pragma once
 
 #include "intersect/way.hpp"
@@ -12,7 +12,7 @@ namespace lostbits::intersect::sphere {
 struct Filtered {
     static constexpr Info info{
         .name = "sphere.filtered",
-        .title = "cheap where its bound proves it, wider where not",
+        .title = "cheap if its bound proves it, else wider arithmetic",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
@@ -23,7 +23,7 @@ struct Filtered {
         return intersect(ray, sphere, watch);
     }
 
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere, Watch& watch) {
         if constexpr (stands_for_exact<T>) {

@@ -1,4 +1,4 @@
-// The steps of `sphere.filtered`, and the inequalities that let a ray stop at one.
+// The steps of `sphere.filtered`, and the inequalities that let a ray stop at a step.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -11,14 +11,14 @@
 namespace lostbits::intersect::sphere {
 namespace filtered {
 
-/// What a step says of a ray: the decision and t where they are proved, nothing where not.
+/// The result of a step for a ray: the decision and t if they are proved, else nothing.
 template <Number T>
 struct Settled {
     mask_t<T> proved, hit;
     T t;
 
-    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
-    /// the second because the first proved nothing.
+    /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
+    /// needed the second step because the first one proved nothing.
     friend Settled joined(const Settled& first, const Settled& second) {
         if constexpr (tells_of_operations<T>) return second;
         else
@@ -27,14 +27,14 @@ struct Settled {
     }
 };
 
-/// What `cheaply` computes.
+/// The values that `cheaply` computes.
 template <Number T>
 struct Cheap {
     Vec<T> f;
     T r, inv, s, delta, root;
 };
 
-/// Its bounds.
+/// Bounds of the values of `cheaply`.
 template <Number T>
 Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
     using number::wide::untold;
@@ -44,12 +44,12 @@ Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
     const Vec<P> f = untold(of.f);
     const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
     const P e = w * (P(2) * r + P(32) * w);
-    // In coarser formats nothing is far enough away.
+    // In coarser formats no distance is large enough.
     const P from = select(P(1024) * u <= P(1), P(2), none);
     const P least = number::wide::root_of_least_normal<P>() / (P(23) * u);
     const P most = P(1) / (P(64) * number::wide::least_normal<P>());
     const mask_t<P> in_range = ff >= max(least, from * square(r)) && inv >= least && max(ff, inv) <= most;
-    // Ahead: where s ≤ 0, the last side is none.
+    // The last comparison fails where s ≤ 0, so a hit is ahead.
     const mask_t<P> met = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
     const mask_t<P> missed = s <= P(0) || delta < -e;
     const mask_t<T> proved = number::wide::taken_for_granted<T>(in_range && (met || missed));
@@ -57,37 +57,40 @@ Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
     else return {proved, met, t};
 }
 
-/// From outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a); one division, one root.
+/// Decides from outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a). It takes one
+/// division and one root.
 ///
-/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
+/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|. Terms of second order are in the last digits
 /// of the constants. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
 ///
 ///     f, f·d, a        |δf_i| ≤ u|f_i|,   |δ(f·d)| ≤ 4.1u|f||d|,   |δa| ≤ 3.05u a
 ///     s                |δs| ≤ 4.2u F + 5.2u|s| ≤ 9.5u F
-///     f + s d          |f + (s + δs)d|² = |l|² + a δs² ≤ |l|² + 91φ²: what s is off by moves l along d, and counts
-///     twice l̂                off from it by 2.05φ + u|l̂| (f, the product, the sum), and its square rounds thrice:
-///                      | |l̂| − |f + (s + δs)d| | ≤ δ + 2.6u|l̂|,  δ = 2.05φ
+///     f + s d          |f + (s + δs)d|² = |l|² + a δs² ≤ |l|² + 91φ²: the error of s moves l along d, so it counts
+///                      only squared
+///     l̂                off from f + (s + δs)d by 2.05φ + u|l̂| (f, the product, the sum); its square rounds three
+///                      times:   | |l̂| − |f + (s + δs)d| | ≤ δ + 2.6u|l̂|,  δ = 2.05φ
 ///
-/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4ur and E = w(2r + 32w), Δ̂ > E implies |l| < r and Δ̂ < −E that |l| > r:
-/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), for the square of the right side is at most
-/// r² + 4.1φr + 134φ², times 1 + 5.5u. And |Δ̂ − Δ| ≤ E for hits.
+/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4ur and E = w(2r + 32w), Δ̂ > E implies |l| < r, and Δ̂ < −E implies |l| > r:
+/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), because the square of the right side is at most
+/// r² + 4.1φr + 134φ², times 1 + 5.5u. For hits, |Δ̂ − Δ| ≤ E.
 ///
-/// Ahead or behind: where Δ̂ ≥ −E, s²a = f·f − l·l ≥ f·f − r² − 2E ≥ 0.47 f·f, so |s| ≥ 0.68F > |δs|: the sign of s is
-/// right. Where Δ̂ < −E it does not matter.
+/// Ahead or behind: where Δ̂ ≥ −E, s²a = f·f − l·l ≥ f·f − r² − 2E ≥ 0.47 f·f, so |s| ≥ 0.68F > |δs|, and the sign of s
+/// is right. Where Δ̂ < −E, the sign does not matter.
 ///
-/// t: from Δ̂ > 4E, |√Δ̂ − √Δ| ≤ E/(√Δ̂ + √(Δ̂ − E)) ≤ E/(1.866√Δ̂); F ≤ 1.42s; the root rounds by 3.6u besides. So
+/// t: from Δ̂ > 4E follows |√Δ̂ − √Δ| ≤ E/(√Δ̂ + √(Δ̂ − E)) ≤ E/(1.866√Δ̂). F ≤ 1.42s, and the root rounds by 3.6u
+/// more. So
 ///     |δt| ≤ 11.2u s + 3.6u root + E/(a·1.866·root) + u t,
-/// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), t being s − root.
+/// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), with t = s − root.
 ///
-/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a both lie
-/// within √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L: what is lost of f·d, s, f + s d
-/// and w is a 64th of their bounds; |l|², r² and e lose 5uL ≤ 1.25φ², which the 141φ² in E have to spare over the
-/// 134φ² that it needs; and where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict: both of its
-/// sides may overflow.
+/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a are both
+/// between √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L. Then f·d, s, f + s d and w lose
+/// a 64th of their bounds. |l|², r² and e lose 5uL ≤ 1.25φ², and the 141φ² in E have that to spare over the 134φ² that
+/// it needs. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
+/// overflow.
 template <Number T>
 Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T r2 = square(sphere.radius);
-    const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation: both s and l are then without a minus
+    const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation, so that s and l need no minus
     const T inv = named("inv", T(1) / square(ray.direction));
     const T s = named("s", dot(f, ray.direction) * inv);
     const Vec<T> l = f - s * ray.direction;
@@ -96,13 +99,13 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     return proved_cheaply<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
 }
 
-/// What `widely` computes.
+/// The values that `widely` computes.
 template <Number T>
 struct Wide {
     T r, a, h, c, disc, root, q;
 };
 
-/// Its bounds. W: the wider number.
+/// Bounds of the values of `widely`. W is the wider number.
 template <class W, Number T>
 Settled<T> proved_widely(const Wide<T>& of, const T& t) {
     using number::wide::untold;
@@ -122,25 +125,25 @@ Settled<T> proved_widely(const Wide<T>& of, const T& t) {
     else return {proved, met, t};
 }
 
-/// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
-/// q = |h| + √D. No root and no quotient is taken in W.
+/// Decides from anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and everything after that in T: t = c/q or
+/// q/a with q = |h| + √D. No root and no quotient is computed in W.
 ///
-/// v is W's unit roundoff, u T's, at most 1/32. In W, with A = f·f + r² and first order in v,
+/// v is W's unit roundoff; u is T's, at most 1/32. In W, with A = f·f + r² and to first order in v,
 ///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
-/// so the sign of D is right where |D| > e = 24 v A a, whose quarter to spare covers e's own rounding in T.
+/// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is to spare, and covers e's own rounding in T.
 ///
-/// `sure`, |c| ≥ (v/u) A, makes c right to 6u of itself, with its sign. Where then D ≥ 0, h² ≥ a|c| from outside, so
-/// |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters; and q² ≥ a|c| everywhere,
-/// so h is right to 4√(uv) of q. (f·f is at most A.)
+/// `sure`, |c| ≥ (v/u) A, makes c right to 6u of itself, with its sign. Where D ≥ 0 then, h² ≥ a|c| from outside, so
+/// |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q² ≥ a|c| everywhere, so h
+/// is right to 4√(uv) of q. (f·f is at most A.)
 ///
-/// t: D's part is |√D̂ − √D|/q ≤ e/(√D̂ q), asked to be at most 16u; the rest is 6u of c, and the roundings of h, c, D,
-/// √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
+/// t: D contributes |√D̂ − √D|/q ≤ e/(√D̂ q), which is required to be at most 16u. The rest is 6u of c, and the
+/// roundings of h, c, D, √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
 ///
-/// Range, with L the least normal number of T: a product in T, and a number brought back to it, is off by up to uL
-/// more, which 64L in e cover; where |c| and a are at least 64L, q and, where D ≥ 0 outside, |h| are so, too, which
-/// leaves them normal. W has T's range where T has no wider word: there |c| and a are at least L/v, so that what
-/// products lose, 4uL each, is uv of A, of a and of √(Aa). Overflow: e < ∞ is what makes |c| < ∞, a < ∞ and
-/// h², ac ≤ A a < ∞/4, and |h| and q are asked. Comparisons with what overflowed on the way are false.
+/// Range, with L the least normal number of T: a product in T, and a number narrowed to T, is off by up to uL more,
+/// which 64L in e cover. Where |c| and a are at least 64L, so is q, and so is |h| where D ≥ 0 outside, so they are
+/// normal. W has T's range if T has no wider word. Then |c| and a are at least L/v, so that the loss of products, 4uL
+/// each, is uv of A, of a and of √(Aa). Overflow: e < ∞ implies |c| < ∞, a < ∞ and h², ac ≤ A a < ∞/4, and |h| and q
+/// are tested. Comparisons with a number that overflowed on the way are false.
 template <class W, Number T>
 Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::taken_back, number::wide::taken_to;
@@ -157,8 +160,8 @@ Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     return proved_widely<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
 }
 
-/// h, c, a and a r² − |f × d|², which is D, good to 2^-52 of themselves, and zero only where they are: sums of the
-/// products that the words of f = o − c make. Exact while the numbers fit.
+/// h, c, a and a r² − |f × d|², which is D. Each is accurate to 2^-52 of itself, and zero only if the exact value is.
+/// They are sums of the products that the words of f = o − c make. They are exact while the numbers fit.
 template <Number B>
 struct ExactTerms {
     B h, c, a, disc;
@@ -204,8 +207,8 @@ struct ExactTerms {
     }
 };
 
-/// The decision and t of the terms, without a bound: they are right, or T is exact. A ray that touches hits, and one
-/// that starts on the surface hits at t = 0.
+/// The decision and t from the terms, without a bound: the terms are right, or T is exact. A ray that touches hits,
+/// and one that starts on the surface hits at t = 0.
 template <Number T>
 Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
@@ -216,7 +219,7 @@ Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
     return {T(0) <= T(0), !(c > T(0)) || (disc >= T(0) && h < T(0)), select(on_it, T(0), t)};
 }
 
-/// The form in exact arithmetic, where there is nothing to filter.
+/// The form in exact arithmetic, which needs no filter.
 template <Number T>
 Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> f = ray.origin - sphere.centre;
@@ -225,8 +228,9 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
-/// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
-/// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
+/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of four, and those of their last
+/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN,
+/// because wider sums would decide no better.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     mask_t<T> all = T(0) <= T(0);
@@ -250,8 +254,8 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     return all;
 }
 
-/// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss, because T may be narrower and
-/// its masks others.
+/// Decides exactly, and is proved where the numbers fit (`fit`). The answer is narrowed as t, with −1 for a miss,
+/// because T may be narrower and have other masks.
 template <Number T>
 [[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
@@ -264,7 +268,7 @@ template <Number T>
     return {fit, t >= T(0), t};
 }
 
-/// `known`, and where it proves nothing the decision and t in the whole range.
+/// Returns `known`; where it proves nothing, the decision and t are computed over the whole range.
 template <Number T>
 Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
@@ -274,7 +278,7 @@ Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Sett
     return {T(0) <= T(0), all[0] > T(0), all[1]};
 }
 
-/// What `known` leaves open, without rounding.
+/// Decides without rounding what `known` leaves open.
 template <Number T>
 Settled<T> to_the_last_digit(const Ray<T>& ray, const Sphere<T>& sphere, Settled<T> known) {
     const mask_t<T> fit = fits(ray, sphere);
@@ -284,7 +288,7 @@ Settled<T> to_the_last_digit(const Ray<T>& ray, const Sphere<T>& sphere, Settled
     return known;
 }
 
-/// The same for numbers that tell of operations, of which it has none: a call.
+/// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::untold, number::wide::told_of_call;
@@ -300,7 +304,7 @@ Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
             told_of_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};
 }
 
-/// What `soft` leaves open in double-double, and what that leaves open without rounding.
+/// Decides what `soft` leaves open: in double-double, then without rounding.
 template <Number T, class Watch>
 Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
@@ -316,7 +320,8 @@ Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& 
     else return to_the_last_digit<T>(ray, sphere, wide);
 }
 
-/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+/// The same as a function of its own that takes its arguments by value, so that the loops over packs keep their
+/// registers.
 template <Number T, class Watch>
 [[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
     return beyond<T>(ray, sphere, soft, watch);

@@ -1,4 +1,4 @@
-// The closed list of the forms of the sphere: one line each (and its include).
+// The closed list of the forms of the sphere: one line for each, and its include.
 #pragma once
 
 #include "intersect/form_list.hpp"

@@ -1,6 +1,6 @@
-// Kahan's discriminant: with FMA, h² − ac is computed to within two ulps of itself: w = ac, e = fma(−a, c, w),
-// disc = fma(h, h, −w) + e; then the roots of Press et al. It repairs the last subtraction, not what h and c lost
-// before.
+// Kahan's discriminant. With FMA, h² − ac is computed to within two ulps of itself: w = ac, e = fma(−a, c, w), disc =
+// fma(h, h, −w) + e. The roots are those of Press et al. It repairs the last subtraction, but not the earlier losses
+// in h and c.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,4 +1,5 @@
-// pbrt-v4: 4a(r + l)(r − l) with l = |f − (b/2a)d|: the difference of squares factored; then the roots of Press et al.
+// pbrt-v4: the difference of squares is factored, 4a(r + l)(r − l) with l = |f − (b/2a)d|. The roots are those of
+// Press et al.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,6 +1,6 @@
-// pbrt-v4's `pbrt_factored` in interval arithmetic: a miss only where the lower bound of the discriminant is negative,
-// the first root by the bounds of t, and the middle of its interval as the answer. A near root counts as in front only
-// when its lower bound is positive.
+// pbrt-v4's `pbrt_factored` in interval arithmetic. It misses only if the lower bound of the discriminant is negative.
+// The bounds of t choose the first root, and the middle of its interval is the answer. A near root counts as in front
+// only if its lower bound is positive.
 #pragma once
 
 #include "intersect/outward.hpp"

@@ -1,5 +1,5 @@
-// The schoolbook quadratic: a = d·d, b = 2 f·d, c = f·f − r², t = (−b ± √(b² − 4ac)) / 2a.
-// A miss where the discriminant is negative: a ray that touches, hits.
+// The schoolbook quadratic: a = d·d, b = 2 f·d, c = f·f − r², t = (−b ± √(b² − 4ac)) / 2a. A negative discriminant is
+// a miss, so a ray that touches hits.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,5 +1,5 @@
-// The schoolbook quadratic as shaders often write it: touching (discriminant zero) is a miss.
-// The whole difference to `schoolbook` is the strictness of one comparison.
+// The schoolbook quadratic as shaders often write it: touching (discriminant zero) is a miss. It differs from
+// `schoolbook` only in the strictness of one comparison.
 #pragma once
 
 #include "intersect/roots.hpp"

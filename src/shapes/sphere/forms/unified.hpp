@@ -1,4 +1,4 @@
-// Both remedies at once: Δ = r² − |f + (b'/a)d|², b' = −f·d, q = b' + sign(b')√(aΔ), t₀ = c/q, t₁ = q/a.
+// Both remedies together: Δ = r² − |f + (b'/a)d|², b' = −f·d, q = b' + sign(b')√(aΔ), t₀ = c/q, t₁ = q/a.
 #pragma once
 
 #include "intersect/roots.hpp"

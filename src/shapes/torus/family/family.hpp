@@ -5,8 +5,8 @@
 
 namespace lostbits::scene::torus {
 
-/// `size` is how far it reaches from its centre; the minor radius is a sixteenth of the major one up to fifteen of
-/// them.
+/// `size` is the distance from the centre to the farthest point. The minor radius is between one and fifteen
+/// sixteenths of the major one.
 struct TorusFamily : rays::AimedFamily<TorusFamily> {
     static constexpr std::string_view table = "torus_family";
 

@@ -1,5 +1,5 @@
-// The quartic of the closest approach, its first root ahead told apart by the signs of Sturm's chain: no cube root, and
-// no root is taken for another.
+// The quartic of the closest approach. The signs of Sturm's chain isolate its first root ahead, so it needs no cube
+// root and never confuses two roots.
 #pragma once
 
 #include "geometry/quartic_chain.hpp"

@@ -1,4 +1,5 @@
-// `bracketed` in double, of floats: from the closest approach, where the textbook's quartic in double is not enough.
+// `bracketed` in double, for floats. It starts from the closest approach, because the textbook's quartic in double is
+// not accurate enough.
 #pragma once
 
 #include "shapes/torus/forms/bracketed.hpp"

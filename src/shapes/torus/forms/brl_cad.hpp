@@ -1,5 +1,5 @@
-// In units of the major radius, from the point of the line nearest to the centre: as polynomials, whose products are
-// subtracted coefficient by coefficient.
+// In units of the major radius, from the point of the line nearest to the centre. Polynomials are multiplied, and
+// their products subtracted coefficient by coefficient.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"

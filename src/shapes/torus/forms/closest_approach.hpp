@@ -1,6 +1,6 @@
 // From the point of the line nearest to the centre, by cross products: a quartic in x = d² t + d·f without a cubic
-// term, in which no length of f is squared but across the line. Solved by the resolvent, and Newton's steps on what is
-// left of the torus' own equation.
+// term. It squares no length of f except that across the line. The resolvent solves it, and Newton's steps on the
+// residual of the torus' own equation refine the roots.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"

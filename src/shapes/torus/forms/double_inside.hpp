@@ -1,4 +1,4 @@
-// Float in, the textbook quartic in double, float out: what renderers with a double solver do.
+// Float in, the textbook quartic in double, float out, as in renderers with a double solver.
 #pragma once
 
 #include "shapes/torus/forms/graphics_gems.hpp"

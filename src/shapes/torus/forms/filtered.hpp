@@ -1,4 +1,5 @@
-// The quartic of the closest approach, its first root ahead told by the signs of Sturm's chain: a filter by its span.
+// A filter by the span of the torus: the quartic of the closest approach, whose first root ahead the signs of Sturm's
+// chain isolate.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"
@@ -10,7 +11,7 @@ namespace lostbits::intersect::torus {
 struct FilteredTorus : filter::FiltersBySpan<FilteredTorus, Torus> {
     static constexpr Info info{
         .name = "torus.filtered",
-        .title = "Sturm's chain where a bound proves it, wider where not",
+        .title = "Sturm's chain if a bound proves it, else wider arithmetic",
         .source = filter::source_by_span,
         .roots = Roots::first_only,
     };

@@ -1,4 +1,4 @@
-// The textbook: the quartic in t from the ray's origin, its cubic term taken away, a resolvent cubic, two quadratics.
+// The textbook: the quartic in t from the ray's origin without its cubic term, a resolvent cubic, two quadratics.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"

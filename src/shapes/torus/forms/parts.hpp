@@ -1,4 +1,4 @@
-// What several torus forms share: the quartic in t, its roots by a resolvent cubic, and the first of them.
+// Shared by several torus forms: the quartic in t, its roots by a resolvent cubic, and the first of them.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::torus {
 
-/// The origin from the centre, and origin and direction along an axis of length one.
+/// The origin relative to the centre, and the components of origin and direction along a unit axis.
 template <Number T>
 struct AlongAxis {
     Vec<T> p, d;
@@ -20,13 +20,13 @@ private:
         : p(f), d(direction), pz(named("pz", dot(n, f))), dz(named("dz", dot(n, direction))) {}
 };
 
-/// t⁴ + a t³ + b t² + c t + d.
+/// The polynomial t⁴ + a t³ + b t² + c t + d.
 template <Number T>
 struct Quartic {
     T a, b, c, d;
 };
 
-/// Of a direction of length one, as most code has it.
+/// The quartic for a direction of length one, as most code has it.
 template <Number T>
 Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& dz, const Torus<T>& torus) {
     const T R2 = square(torus.major_radius), r2 = square(torus.minor_radius);
@@ -35,7 +35,7 @@ Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& 
             square(k1) + T(4) * R2 * (square(pz) - r2)};
 }
 
-/// A ray, a torus and an answer in the wider arithmetic, and back.
+/// Widens a ray and a torus to the wider arithmetic; `narrowed` converts the answer back.
 template <Number T>
 auto widened(const Vec<T>& v) {
     return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
@@ -54,7 +54,7 @@ Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
     return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
 }
 
-/// The first t ≥ 0 of those that are roots.
+/// Keeps the first t ≥ 0 of those that are roots.
 template <Number T>
 class First {
 public:
@@ -73,9 +73,9 @@ private:
     mask_t<T> hit_ = T(0) < T(0);
 };
 
-/// A real root of y³ + b y² + c y + d between two places, at the first of which that is not positive and at the second
-/// not negative, by Newton's steps, and by halves where one leads out: sources take a cube root or the cosine of a
-/// third of an angle, which is the same number.
+/// Finds a real root of y³ + b y² + c y + d between two points. The polynomial must be ≤ 0 at the first and ≥ 0 at the
+/// second. It takes Newton's steps, and halves the interval if a step leads out of it. Sources take a cube root or the
+/// cosine of a third of an angle, which is the same number.
 template <Number T>
 T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T& d) {
     const T zero(0), half = T(1) / T(2);
@@ -86,7 +86,7 @@ T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T
         const auto below = value < zero;
         low = select(below, y, low), high = select(below, high, y);
         const T step = y - value / slope, middle = half * (low + high);
-        // What leads out below ends at the first place, where the root may be.
+        // A step below the interval ends at its lower end, where the root may be.
         const T outside = select(step < low && low < y, low, middle);
         const T next = select(low <= step && step <= high, step, outside);
         moves = moves && (next < y || next > y);
@@ -95,13 +95,13 @@ T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T
     return y;
 }
 
-/// All real roots of x⁴ + p x² + q x + r, by two quadratics: with z > p/2 a root of z³ − p z²/2 − r z + r p/2 − q²/8,
-/// u² = z² − r and v² = 2z − p they are x² ± v x + z ∓ u. Squares that rounding leaves below 0 are 0. `take(is, x)` of
-/// each.
+/// Finds all real roots of x⁴ + p x² + q x + r by two quadratics. With z > p/2 a root of z³ − p z²/2 − r z + r p/2 −
+/// q²/8, u² = z² − r and v² = 2z − p, they are x² ± v x + z ∓ u. Squares that rounding makes negative are taken as 0.
+/// Calls `take(is, x)` for each root.
 template <Number T, class Take>
 void depressed_roots(const T& p, const T& q, const T& r, const Take& take) {
     const T half = T(1) / T(2), zero(0);
-    // Above s the cubic is more than z² (3z − q²/s²)/4.
+    // For z > s the cubic is more than z² (3z − q²/s²)/4.
     const T s = max(abs(p), T(2) * sqrt(abs(r))), far = max(s, square(q) / square(s));
     const T z = named("z", cubic_root_between<T>(half * p, far, -half * p, -r, half * (r * p) - square(q) / T(8)));
     const T u2 = named("u2", square(z) - r), v2 = named("v2", T(2) * z - p);
@@ -114,7 +114,7 @@ void depressed_roots(const T& p, const T& q, const T& r, const Take& take) {
     roots(v, z - u), roots(-v, z + u);
 }
 
-/// x = t + a/4 takes the cubic term away.
+/// Finds the roots of a quartic: x = t + a/4 removes the cubic term.
 template <Number T, class Take>
 void quartic_roots(const Quartic<T>& f, const Take& take) {
     const T a2 = square(f.a), quarter = f.a / T(4);

@@ -1,4 +1,4 @@
-// The origin is moved along the ray by what it is farther away than R + 2r, so that the coefficients are of the size of
+// The origin is moved along the ray by its distance in excess of R + 2r, so that the coefficients are of the size of
 // the torus.
 #pragma once
 

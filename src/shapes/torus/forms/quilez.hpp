@@ -1,4 +1,4 @@
-// Quilez: half coefficients, the reciprocal polynomial where the cubic term and the linear one nearly fit, and absolute
+// Quilez: half coefficients, the reciprocal polynomial if the cubic and the linear term nearly fit, and absolute
 // thresholds.
 #pragma once
 
@@ -9,7 +9,7 @@ namespace lostbits::intersect::torus {
 struct QuilezTorus {
     static constexpr Info info{
         .name = "torus.quilez",
-        .title = "half coefficients, 1/t where these nearly fit",
+        .title = "half coefficients, 1/t if these nearly fit",
         .source = "Quilez, Intersectors, torIntersect",
         .direction = Direction::unit,
         .roots = Roots::first_only,
@@ -30,7 +30,7 @@ struct QuilezTorus {
         const T c2 = named("c2", (two * k2 - three * square(k3)) / three);
         const T c1 = named("c1", two * (k3 * (square(k3) - k2) + k1));
         const T c0 = named("c0", (k3 * (k3 * (four * k2 - three * square(k3)) - T(8) * k1) + four * k0) / three);
-        // z³ − 3Q z − 2R = 0: two cube roots, or a cosine where there are three real roots.
+        // z³ − 3Q z − 2R = 0: two cube roots, or a cosine if there are three real roots.
         const T Q = square(c2) + c0, R = three * c0 * c2 - c2 * square(c2) - square(c1);
         const T s = sqrt(three * abs(Q)), reach = s + two * abs(R) / square(s);
         const T root =

@@ -1,5 +1,5 @@
-// The roots told apart by signs, as POV-Ray does where a scene says `sturm`: from the origin moved to the bounding
-// sphere, by halves, and by Newton's steps from there.
+// Isolates the roots by signs, as POV-Ray does if a scene says `sturm`. The origin is moved to the bounding sphere.
+// Bisection and then Newton's steps find the root.
 #pragma once
 
 #include "geometry/quartic_chain.hpp"

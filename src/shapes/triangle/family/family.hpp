@@ -5,7 +5,8 @@
 
 namespace lostbits::scene::triangle {
 
-/// `size` is the distance of the vertices from their middle, or nearly: in any direction, and no two of them near.
+/// The vertices are at about the distance `size` from their middle, in random directions, and no two of them are close
+/// together.
 struct TriangleFamily : rays::AimedFamily<TriangleFamily> {
     static constexpr std::string_view table = "triangle_family";
     enum Aim { inside, edge, vertex };

@@ -1,5 +1,6 @@
-// Baldwin and Weber's matrix, which takes world coordinates to barycentric ones: made once a triangle, of rounded
-// numbers that are as large as the place of the triangle. The third edge does not count, the others do.
+// Baldwin and Weber's matrix from world to barycentric coordinates. It is made once for each triangle, from rounded
+// numbers that are as large as the coordinates of the triangle. Points on the edge from b to c are not hit; those on
+// the other edges are.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

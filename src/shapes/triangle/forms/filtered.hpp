@@ -1,6 +1,7 @@
-// The signs of the three edges, of the plane and of t where a bound on the rounding proves them; where it does not, or
-// leaves t less than 18 correct bits of 24 (47 of 53), the ray is done again in wider arithmetic: float, double,
-// double-double, exact sums. No wrong decision about the closed triangle, and neighbours agree about a common edge.
+// The signs of the three edges, of the plane and of t, if a bound on the rounding proves them. If it does not, or
+// leaves t less than 18 correct bits of 24 (47 of 53), the ray is computed again in wider arithmetic: float, double,
+// double-double, exact sums. The decision about the closed triangle is never wrong, and neighbours agree about a
+// common edge.
 #pragma once
 
 #include "intersect/way.hpp"
@@ -11,7 +12,7 @@ namespace lostbits::intersect::triangle {
 struct FilteredTriangle {
     static constexpr Info info{
         .name = "triangle.filtered",
-        .title = "signs of determinants where a bound proves them, wider where not",
+        .title = "signs of determinants if a bound proves them, else wider arithmetic",
         .source = "an a-priori bound after Higham, Accuracy and Stability, 3.1, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
@@ -22,7 +23,7 @@ struct FilteredTriangle {
         return intersect(ray, triangle, watch);
     }
 
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle, Watch& watch) {
         if constexpr (stands_for_exact<T>) {

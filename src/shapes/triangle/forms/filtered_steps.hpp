@@ -1,4 +1,4 @@
-// The steps of `triangle.filtered`, and the inequalities that let a ray stop at one.
+// The steps of `triangle.filtered`, and the inequalities that let a ray stop at a step.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -11,14 +11,14 @@
 namespace lostbits::intersect::triangle {
 namespace filtered {
 
-/// What a step says of a ray: the decision and t where they are proved, nothing where not.
+/// The result of a step for a ray: the decision and t if they are proved, else nothing.
 template <Number T>
 struct TriangleDecision {
     mask_t<T> proved, hit;
     T t;
 
-    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
-    /// the second because the first proved nothing.
+    /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
+    /// needed the second step because the first one proved nothing.
     friend TriangleDecision joined(const TriangleDecision& first, const TriangleDecision& second) {
         if constexpr (tells_of_operations<T>) return second;
         else
@@ -27,8 +27,8 @@ struct TriangleDecision {
     }
 };
 
-/// What `Triangle::span` decides by, in any number: the edges, with the vertices as seen from the origin, m = d·n and
-/// k = a·n with n = p × q, p = b − a and q = c − a.
+/// The values that decide in `Triangle::span`, in any number type: the edges, with the vertices relative to the
+/// origin, m = d·n and k = a·n with n = p × q, p = b − a and q = c − a.
 template <class N>
 struct Determinants {
     Vec<N> d, a, b, c, p, q, n;
@@ -54,34 +54,36 @@ Determinants<N> determinants_of(const Ray<N>& ray, const Triangle<N>& triangle) 
             .k = named("k", dot(a, n))};
 }
 
-/// The decision by the signs, where they are right.
+/// The decision by the signs, if they are right.
 template <Number N>
 mask_t<N> meets(const Determinants<N>& of) {
     const N zero(0), least = min(min(of.ea, of.eb), of.ec), most = max(max(of.ea, of.eb), of.ec);
     return (least >= zero && of.m > zero && of.k >= zero) || (most <= zero && of.m < zero && of.k <= zero);
 }
 
-/// Where a hit is proved, and where a miss.
+/// Masks of the rays whose hit or miss is proved.
 template <class P>
 struct Proved {
     mask_t<P> met, missed;
 };
 
-/// `of` was computed with v the roundoff of an operation; its words are of P, whose roundoff is w, and t is asked for
-/// in a format of roundoff u. To first order in v (Higham 2002, lemma 3.1), with M the largest of the vertices' sizes:
+/// Proves the decision. `of` was computed with v the roundoff of an operation. Its words are of P, whose roundoff is w,
+/// and t is needed in a format of roundoff u. To first order in v (Higham 2002, lemma 3.1), with M the largest of the
+/// vertices' sizes:
 ///
 ///     b, c              off by v of themselves
 ///     d·(b × c)         each of the six products d_i b_j c_k by 7v: off by at most 7v Σ|d_i| 2M² = 14v |d| M², |d| the
-///                       sum of sizes; 16v cover what is of second order where v ≤ 2^-9
+///                       sum of sizes; 16v cover the terms of second order where v ≤ 2^-9
 ///     n_i = x − y       by 3v of x and of y, and by v of n_i
 ///     m, k              by v Σ|d_i| g_i and v Σ|a_i| g_i, g_i = 3(|x| + |y|) + 5|n_i|
 ///
-/// m and k are asked to be right to s = min(14u, 2^-9) of themselves: t is then right to 2s and three roundings, within
-/// the 32u of 18 correct bits of 24. The edges add up to m; where all have one sign, that of m is the same.
+/// m and k are required to be right to s = min(14u, 2^-9) of themselves. t is then right to 2s and three roundings,
+/// within the 32u of 18 correct bits of 24. The edges add up to m, so if all have one sign, m has the same.
 ///
-/// Range, with L the least normal number of P: what underflows is off by wL, or by 5wL in two words. f = 64L w/v,
-/// which M² and |d| M² must reach and which is in g_i, m's bound and k's, covers it by v of itself. All products and
-/// sums are below 64 M², 64 |d| M² or the bounds of m and k, which must be finite; comparisons with NaN are false.
+/// Range, with L the least normal number of P: a number that underflows is off by wL, or by 5wL in two words. f = 64L
+/// w/v covers that by v of itself. M² and |d| M² must reach f, and it is part of g_i and of the bounds of m and k. All
+/// products and sums are below 64 M², 64 |d| M² or the bounds of m and k, which must be finite; comparisons with NaN
+/// are false.
 template <class P>
 Proved<P> proved_by(const Determinants<P>& of, const P& v, const P& u) {
     const P none = P(1) / P(0), zero(0);
@@ -102,7 +104,7 @@ Proved<P> proved_by(const Determinants<P>& of, const P& v, const P& u) {
     return {good && ahead && (least > e || most < -e), (in_range && least < -e && most > e) || (good && !ahead)};
 }
 
-/// The first word of a number: all of it, or the high one of two.
+/// The first word of a number: the number itself, or the high word of two.
 template <class N>
 N word_of(const N& x) {
     return x;
@@ -112,7 +114,7 @@ B word_of(const number::wide::TwoWords<B>& x) {
     return x.hi;
 }
 
-/// `f` of every number.
+/// Applies `f` to every number.
 template <class N, class F>
 auto each_of(const Determinants<N>& of, const F& f) {
     using P = decltype(f(of.m));
@@ -131,14 +133,14 @@ auto each_of(const Determinants<N>& of, const F& f) {
                            .k = f(of.k)};
 }
 
-/// The ray and the triangle with `f` of every number.
+/// The determinants of the ray and the triangle, with `f` applied to every number.
 template <class W, Number T, class F>
 Determinants<W> determinants_in(const Ray<T>& ray, const Triangle<T>& triangle, const F& f) {
     const auto v = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
     return determinants_of<W>({v(ray.origin), v(ray.direction)}, {v(triangle.a), v(triangle.b), v(triangle.c)});
 }
 
-/// u of the format that `T` computes in, as a number of P.
+/// The roundoff u of the format that `T` computes in, as a number of P.
 template <class T, class P>
 P roundoff_in() {
     using number::wide::untold;
@@ -147,7 +149,7 @@ P roundoff_in() {
     else return number::wide::taken_to<P>(unit_roundoff<Plain>());
 }
 
-/// In W: T, its `OneWord`, or two of those.
+/// Decides in W: T, its `OneWord`, or two of those.
 template <class W, Number T>
 TriangleDecision<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     using number::wide::untold, number::wide::taken_for_granted;
@@ -177,12 +179,12 @@ TriangleDecision<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     }
 }
 
-/// Three differences or numbers, exactly: each the sum of two words.
+/// Three differences or numbers, each the exact sum of two words.
 template <class B>
 using ThreeSums = std::array<number::wide::TwoWords<B>, 3>;
 
-/// x·(y × z), good to 2^-52 of itself and zero only where it is: the sum of the products of all words. Exact while the
-/// numbers fit.
+/// x·(y × z), accurate to 2^-52 of itself, and zero only if the exact value is: the sum of the products of all words.
+/// It is exact while the numbers fit.
 template <class B>
 B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B>& z) {
     using number::wide::ExactSum, number::wide::TwoWords;
@@ -206,8 +208,9 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
     return all.value();
 }
 
-/// Whether every number is 0 or within 2^-160 and 2^160: products of three, and those of their last places, are then
-/// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
+/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of three, and those of their last
+/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN,
+/// because wider sums would decide no better.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
     mask_t<T> all = T(0) <= T(0);
@@ -226,8 +229,8 @@ mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
     return all;
 }
 
-/// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss. The edges add up to m, to
-/// 2^-50 of itself where all have one sign; where not it is not asked.
+/// Decides exactly, and is proved where the numbers fit (`fit`). The answer is narrowed as t, with −1 for a miss. The
+/// edges add up to m, to 2^-50 of itself if all have one sign; otherwise m is not used.
 template <Number T>
 [[gnu::noinline]] TriangleDecision<T> exactly(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
@@ -246,7 +249,7 @@ template <Number T>
     return {fit, t >= T(0), t};
 }
 
-/// `known`, and where it proves nothing the decision and t in the whole range.
+/// Returns `known`; where it proves nothing, the decision and t are computed over the whole range.
 template <Number T>
 TriangleDecision<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
@@ -256,7 +259,7 @@ TriangleDecision<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangl
     return {T(0) <= T(0), all[0] > T(0), all[1]};
 }
 
-/// What `known` leaves open, without rounding.
+/// Decides without rounding what `known` leaves open.
 template <Number T>
 TriangleDecision<T> to_the_last_digit(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known) {
     const mask_t<T> fit = fits(ray, triangle);
@@ -266,7 +269,7 @@ TriangleDecision<T> to_the_last_digit(const Ray<T>& ray, const Triangle<T>& tria
     return known;
 }
 
-/// The same for numbers that tell of operations, of which it has none: a call.
+/// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 TriangleDecision<T> in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
     using number::wide::untold, number::wide::told_of_call;
@@ -282,7 +285,7 @@ TriangleDecision<T> in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
             told_of_call<T>({"triangle.filtered", CallAnswer::t}, of, found.t)};
 }
 
-/// What `soft` leaves open in double-double, and what that leaves open without rounding.
+/// Decides what `soft` leaves open: in double-double, then without rounding.
 template <Number T, class Watch>
 TriangleDecision<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& soft,
                            Watch& watch) {
@@ -298,7 +301,8 @@ TriangleDecision<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const
     else return to_the_last_digit<T>(ray, triangle, wide);
 }
 
-/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+/// The same as a function of its own that takes its arguments by value, so that the loops over packs keep their
+/// registers.
 template <Number T, class Watch>
 [[gnu::noinline]] TriangleDecision<T> to_the_end(Ray<T> ray, Triangle<T> triangle, TriangleDecision<T> soft,
                                                  Watch& watch) {

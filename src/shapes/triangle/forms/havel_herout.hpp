@@ -1,5 +1,5 @@
-// Havel and Herout's three planes, made once a triangle, and one division after the tests. The tests compare sign bits,
-// so that zeros count as above: edges of a triangle seen from behind are left out.
+// Havel and Herout's three planes, made once for each triangle, and one division after the tests. The tests compare
+// sign bits, so that zeros count as positive: points on the edges of a triangle met from behind are not hit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -9,8 +9,8 @@ namespace lostbits::intersect::triangle {
 struct HavelHerout {
     static constexpr Info info{
         .name = "triangle.havel_herout",
-        .title = "three planes a triangle, signs compared",
-        .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges seen from behind are left out",
+        .title = "three planes for each triangle, signs compared",
+        .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges met from behind are left out",
         .roots = Roots::first_only,
         .weights = {"", "u", "v"},
     };

@@ -1,5 +1,5 @@
-// Möller and Trumbore's determinants, and no answer where the first is small: an area times the length of the direction
-// against a number without a unit.
+// Möller and Trumbore's determinants, with a miss if the first is small. The first is an area times the length of the
+// direction, and is compared with a number without a unit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -9,7 +9,7 @@ namespace lostbits::intersect::triangle {
 struct MollerTrumbore {
     static constexpr Info info{
         .name = "triangle.moller_trumbore",
-        .title = "Möller-Trumbore, nothing where |det| < 2^-23",
+        .title = "Möller-Trumbore, misses if |det| < 2^-23",
         .source = "bevy_picking 0909366, mesh_picking/ray_cast/intersections.rs:247",
         .roots = Roots::first_only,
         .weights = {"", "u", "v"},

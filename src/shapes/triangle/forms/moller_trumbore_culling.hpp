@@ -1,5 +1,5 @@
-// Möller and Trumbore's culling branch, as they published it: det > 0 where the front is met, so that one comparison
-// leaves out the back together with what is parallel, and u, v and t are divided at the end.
+// Möller and Trumbore's culling branch, as they published it. det > 0 where the front is met, so one comparison
+// rejects both the back and parallel rays. u, v and t are divided at the end.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -9,7 +9,7 @@ namespace lostbits::intersect::triangle {
 struct MollerTrumboreCulling {
     static constexpr Info info{
         .name = "triangle.moller_trumbore_culling",
-        .title = "Möller-Trumbore's culling branch, nothing where det < 1e-6",
+        .title = "Möller-Trumbore's culling branch, misses if det < 1e-6",
         .source = "Möller and Trumbore, J. Graphics Tools 2(1), 1997, TEST_CULL; t >= 0, which it leaves to the caller",
         .roots = Roots::first_only,
         .facing = Facing::front,

@@ -1,4 +1,4 @@
-// What several triangle forms share.
+// Shared by several triangle forms.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -8,14 +8,14 @@
 
 namespace lostbits::intersect::triangle {
 
-/// The answer of a form that finds one t. By value: of references GCC 12 writes three registers a pack to the stack
-/// that nobody reads, up to a tenth of the time at 512 bits.
+/// The answer of a form that finds one t. It takes its arguments by value: with references, GCC 12 writes three unused
+/// registers to the stack for each pack, up to a tenth of the time at 512 bits.
 template <Number T>
 Hit<T> met(mask_t<T> hit, T t) {
     return {hit, t, t, t};
 }
 
-/// a·b summed from the last component, as Embree has it.
+/// a·b summed from the last component, as in Embree.
 template <Number T>
 T dot_from_z(const Vec<T>& a, const Vec<T>& b) {
     return a.x * b.x + (a.y * b.y + a.z * b.z);
@@ -26,20 +26,20 @@ mask_t<T> is_not_zero(const T& x) {
     return x < T(0) || x > T(0);
 }
 
-/// Which component of a vector is the largest: z, unless x or y is.
+/// The largest component of a vector: z, unless x or y is larger.
 template <Number T>
 struct LargestComponent {
     mask_t<T> x, y;
 
-    /// Of sizes; of equal ones the last.
+    /// Takes the sizes of the components. If some are equal, it chooses the last of them.
     explicit LargestComponent(const Vec<T>& size)
         : x(size.x > size.y && size.x > size.z), y(!(size.x > size.y) && size.y > size.z) {}
 
-    /// Turned round, x to y to z to x, until that component is the last.
+    /// Rotates the components, x to y to z to x, until that component is the last.
     [[nodiscard]] Vec<T> last(const Vec<T>& v) const {
         return Vec<T>(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z));
     }
-    /// The same until it is the first.
+    /// Rotates the components until that component is the first.
     [[nodiscard]] Vec<T> first(const Vec<T>& v) const {
         return Vec<T>(pick(v.x, v.y, v.z), pick(v.y, v.z, v.x), pick(v.z, v.x, v.y));
     }

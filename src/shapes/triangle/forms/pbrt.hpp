@@ -1,4 +1,4 @@
-// pbrt's triangle: Woop's test with Kahan's differences of products, and no hit nearer than the bound on t's error.
+// pbrt's triangle: Woop's test with Kahan's differences of products. A t within its own error bound is a miss.
 #pragma once
 
 #include "geometry/rounding_bound.hpp"

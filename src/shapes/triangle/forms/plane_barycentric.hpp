@@ -1,5 +1,5 @@
-// The point where the line meets the plane of a unit normal, and its barycentric coordinates by Cramer's rule: the
-// point carries the plane's error, and 1e-13 is nothing beside it in float.
+// The point at which the line meets the plane of a unit normal, and its barycentric coordinates by Cramer's rule. The
+// point has the plane's error, and 1e-13 is negligible beside it in float.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

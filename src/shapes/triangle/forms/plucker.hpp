@@ -1,4 +1,4 @@
-// Plücker's test with plain signs: three of the same, or zeros.
+// Plücker's test with plain signs: three equal signs, or zeros.
 #pragma once
 
 #include "shapes/triangle/forms/plucker_edges.hpp"

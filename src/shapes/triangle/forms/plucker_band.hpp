@@ -1,4 +1,4 @@
-// Plücker's test with a band: signs count from an ulp of the sum on.
+// Plücker's test with a band: signs count only beyond an ulp of the sum.
 #pragma once
 
 #include "shapes/triangle/forms/plucker_edges.hpp"
@@ -27,7 +27,7 @@ struct PluckerBand {
     }
 
 private:
-    /// Of a × b and b × c, which are equal, in each component the one with the smaller products.
+    /// Returns the normal: in each component that of a × b or b × c, which are equal, with the smaller products.
     template <Number T>
     static Vec<T> stable_normal(const Vec<T>& a, const Vec<T>& b, const Vec<T>& c) {
         const Vec<T> ab(a.z * b.y, a.x * b.z, a.y * b.x), bc(b.z * c.y, b.x * c.z, b.y * c.x);

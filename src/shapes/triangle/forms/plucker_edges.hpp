@@ -1,5 +1,5 @@
-// Plücker's test as Embree and Cycles have it: the triangle moved to the ray's origin, and for each edge from x to y
-// the sign of d·((y − x) × (y + x)), which is twice d·(x × y) and changes its sign alone with the order of x and y.
+// Plücker's test as in Embree and Cycles. The triangle is moved to the ray's origin. For each edge from x to y it
+// takes the sign of d·((y − x) × (y + x)), which is twice d·(x × y). The order of x and y changes only its sign.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -8,9 +8,9 @@ namespace lostbits::intersect::triangle {
 
 template <Number T>
 struct PluckerEdges {
-    Vec<T> v0, v1, v2;  ///< the vertices from the origin
+    Vec<T> v0, v1, v2;  ///< the vertices relative to the origin
     Vec<T> e0, e1, e2;
-    T u, v;              ///< the tests of the edges that are across from p1 and p2
+    T u, v;              ///< the tests of the edges opposite p1 and p2
     T least, most, sum;  ///< of all three tests
 
     PluckerEdges(const Ray<T>& ray, const Vec<T>& p0, const Vec<T>& p1, const Vec<T>& p2)

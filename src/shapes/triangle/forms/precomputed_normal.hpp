@@ -1,5 +1,5 @@
-// The normal is made once a triangle, and coordinates may be as little as −ε: two triangles that share an edge both
-// answer a ray near it.
+// The normal is made once for each triangle, and coordinates may be as low as −ε. Two triangles that share an edge are
+// then both hit by a ray near it.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

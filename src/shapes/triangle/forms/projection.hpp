@@ -1,4 +1,5 @@
-// Wald's projection: the plane first, then two coordinates in the plane of two axes, by numbers made once a triangle.
+// Wald's projection: the plane first, then two coordinates in the plane of two axes, from numbers made once for each
+// triangle.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

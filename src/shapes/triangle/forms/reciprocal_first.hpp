@@ -1,5 +1,5 @@
-// Möller and Trumbore's determinants, each times the reciprocal of the first: u + v ≤ 1 then rounds for each triangle
-// by itself. (Dr.Jit contracts products and sums where the machine can; here every operation rounds.)
+// Möller and Trumbore's determinants, each times the reciprocal of the first. So u + v ≤ 1 rounds for each triangle
+// separately. (Dr.Jit contracts products and sums where the machine can; here every operation rounds.)
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

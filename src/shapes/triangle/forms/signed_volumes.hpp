@@ -1,5 +1,5 @@
-// The volumes of the tetrahedra that the ray makes with the edges, as determinants of points seen from the origin, and
-// t as the volume between the triangle and the origin over their sum.
+// The volumes of the tetrahedra that the ray makes with the edges, as determinants of points relative to the origin. t
+// is the volume between the triangle and the origin over their sum.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

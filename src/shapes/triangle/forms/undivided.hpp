@@ -1,5 +1,5 @@
-// The determinants as they are, compared with the first of them and divided by it at the end. Of an edge that two
-// triangles share it is U in one and U + V in the other.
+// The determinants are compared with the first of them without a division, and divided by it at the end. The test of
+// an edge that two triangles share is U in one and U + V in the other.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

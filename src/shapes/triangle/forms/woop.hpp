@@ -1,5 +1,6 @@
-// Woop's test: the direction's largest component is turned to z, the triangle sheared until the ray is the z axis, and
-// the edges are tested in the plane. Each vertex is sheared by itself, so triangles with a common edge agree about it.
+// Woop's test: the direction's largest component is rotated to z, the triangle is sheared until the ray is the z axis,
+// and the edges are tested in the plane. Each vertex is sheared separately, so triangles with a common edge agree
+// about it.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

@@ -1,4 +1,5 @@
-// Woop's test with edges as differences of rounded products, computed again in double where one comes out as zero.
+// Woop's test with edges as differences of rounded products. If one of them is zero, they are computed again in
+// double.
 #pragma once
 
 #include "shapes/triangle/forms/woop_pbrt.hpp"

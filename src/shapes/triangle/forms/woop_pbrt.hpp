@@ -1,11 +1,12 @@
-// Woop's test in pbrt's words: where an edge comes out as zero all three are computed again in double.
+// Woop's test as in pbrt: if one edge is zero, all three are computed again in double.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
 
 namespace lostbits::intersect::triangle {
 
-/// The triangle from the ray's origin, turned and sheared until the ray is the z axis, z in units of the direction.
+/// The triangle relative to the ray's origin, rotated and sheared until the ray is the z axis, with z in units of the
+/// direction.
 template <Number T>
 struct WoopVertices {
     Vec<T> p0, p1, p2;
@@ -45,7 +46,7 @@ struct WoopEdges {
     }
 };
 
-/// What pbrt finds of edges: t and 1/det, and whether it counts so far.
+/// The values that pbrt finds from the edges: t and 1/det, and if it is a hit so far.
 template <Number T>
 struct WoopFound {
     mask_t<T> hit;

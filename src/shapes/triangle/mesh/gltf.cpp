@@ -1,4 +1,4 @@
-// glTF 2.0: its JSON says where the bytes lie; the vertices are the binary32 that lie there.
+// glTF 2.0: the JSON says where the bytes are, and the vertices are stored there in binary32.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -22,8 +22,8 @@ static_assert(std::endian::native == std::endian::little, "glTF is little endian
 
 constexpr std::uint64_t most_text = std::uint64_t{1} << 29;  // a larger mesh has its buffers beside it, or is a .glb
 
-/// The meshes of one file. Buffers are read when a primitive needs them, once each, and so are vertices: primitives
-/// that share an accessor share its vertices.
+/// The meshes of one file. Buffers are read when a primitive needs them, once each. Vertices are read in the same way:
+/// primitives that share an accessor share its vertices.
 class GltfModel {
 public:
     GltfModel(MeshBytes& bytes, const MeshTerms& terms) : file_(bytes.name()), terms_(terms) {
@@ -31,10 +31,10 @@ public:
         const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(whole_text(bytes), std::uint64_t{0});
         json_ = parse_gltf_json(file_, text, begin, terms.stop);
         top_ = {&json_, "", &file_};
-        if (!json_.is_object()) top_.fail("is not an object, and a glTF is one");
+        if (!json_.is_object()) top_.fail("is not a JSON object; a glTF file is one");
         const std::string version = top_.at("asset").at("version").text();
         if (!version.starts_with("2."))
-            top_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + ", and 2.0 is read");
+            top_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + "; only 2.0 is supported");
         refuse_extensions();
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
             sections_[key] = top_.elements(key);
@@ -48,26 +48,28 @@ public:
             return std::move(found_);
         }
         const std::uint64_t scene = top_.whole("scene", 0);
-        if (scene >= scenes.size()) top_.fail(fmt::format("names scene {}, and has {}", scene, scenes.size()));
+        if (scene >= scenes.size()) top_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
         visit(scenes[scene].elements("nodes"));
         return std::move(found_);
     }
 
 private:
-    /// glTF 2.0: a reader that lacks an extension of this list must not read the file.
+    /// Refuses required extensions: by glTF 2.0, a reader that lacks an extension of this list must not read the file.
     void refuse_extensions() const {
         std::string names;
         for (const GltfValue& name : top_.elements("extensionsRequired"))
             names += (names.empty() ? "" : ", ") + toml::quoted_excerpt(name.text());
         if (!names.empty())
-            top_.at("extensionsRequired").fail("names " + names + ", which are not read; export the mesh without them");
+            top_.at("extensionsRequired")
+                .fail("names " + names + ", which are not supported; export the mesh without them");
     }
     std::string whole_text(MeshBytes& bytes) const {
         if (bytes.size() > most_text)
-            throw InputError(file_ + ": is larger than 512 MiB; write its buffers to a .bin beside it, or a .glb");
+            throw InputError(
+                file_ + ": is larger than 512 MiB; write its buffers to a .bin file beside it, or write a .glb file");
         return std::string(bytes.take(bytes.size()));
     }
-    /// The JSON of a binary, and its place; the bytes behind it are kept.
+    /// The JSON of a binary file, and its position. Keeps the bytes after it.
     std::pair<std::string, std::uint64_t> json_of_glb(MeshBytes& bytes) {
         const auto fail = [&](std::uint64_t byte, const std::string& what) {
             throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, what));
@@ -75,7 +77,7 @@ private:
         const auto next_word = [&] {
             const std::uint64_t place = bytes.place();
             const std::string_view raw = bytes.take(4);
-            if (raw.size() < 4) fail(place, "ends inside of a head");
+            if (raw.size() < 4) fail(place, "ends inside a header");
             std::uint32_t word;
             std::memcpy(&word, raw.data(), 4);
             return word;
@@ -84,14 +86,14 @@ private:
             const std::uint64_t place = bytes.place();
             const std::uint32_t size = next_word();
             if (next_word() != kind) throw InputError(fmt::format("{}: byte {}: is not {}", file_, place + 4, what));
-            if (size > bytes.left()) fail(place, fmt::format("names {} bytes, and {} follow", size, bytes.left()));
+            if (size > bytes.left()) fail(place, fmt::format("states {} bytes, but {} follow", size, bytes.left()));
             return size;
         };
         next_word();
         if (const std::uint32_t version = next_word(); version != 2)
-            throw InputError(fmt::format("{}: byte 4: is of version {}, and 2 is read", file_, version));
+            throw InputError(fmt::format("{}: byte 4: has version {}; only 2 is supported", file_, version));
         if (const std::uint32_t size = next_word(); size != bytes.size())
-            fail(8, fmt::format("names {} bytes, and the file has {}", size, bytes.size()));
+            fail(8, fmt::format("states {} bytes, but the file has {}", size, bytes.size()));
         const std::uint32_t size = next_chunk(0x4e4f534a, "a chunk of JSON");
         if (size > most_text) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
         const std::uint64_t begin = bytes.place();
@@ -100,15 +102,15 @@ private:
         return {std::move(text), begin};
     }
 
-    /// The element of a section that a number names.
+    /// The element of a section with a given number.
     [[nodiscard]] const GltfValue& element(const GltfValue& number, const char* section, const char* what) {
         const std::uint64_t place = number.whole();
         const std::vector<GltfValue>& all = sections_[section];
-        if (place >= all.size()) number.fail(fmt::format("names {} {}, and the file has {}", what, place, all.size()));
+        if (place >= all.size()) number.fail(fmt::format("names {} {}, but the file has {}", what, place, all.size()));
         return all[place];
     }
 
-    /// Nodes are trees: each is visited once, however the file links them.
+    /// Visits the nodes. They are trees, and each is visited once, however the file links them.
     void visit(std::vector<GltfValue> numbers) {
         std::vector<bool> visited(sections_["nodes"].size());
         std::ranges::reverse(numbers);
@@ -119,7 +121,7 @@ private:
             const GltfValue& node = element(number, "nodes", "node");
             if (visited[number.whole()])
                 number.fail(
-                    fmt::format("names node {} again; nodes are trees, and each stands in one place", number.whole()));
+                    fmt::format("names node {} again; nodes form trees, and each node has one parent", number.whole()));
             visited[number.whole()] = true;
             require_unmoved(node);
             if (node.has("mesh")) add(element(node.at("mesh"), "meshes", "mesh"));
@@ -145,21 +147,21 @@ private:
         constexpr std::uint64_t triangles = 4;
         for (const GltfValue& part : mesh.elements("primitives")) {
             if (const std::uint64_t mode = part.whole("mode", triangles); mode != triangles)
-                part.at("mode").fail(fmt::format("is {}, and 4, triangles, is read", mode));
+                part.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
             if (part.has("extensions") && !part.at("extensions").json_value->empty())
                 part.at("extensions")
-                    .fail("are not read: " + toml::excerpt(part.at("extensions").json_value->begin().key()));
+                    .fail("are not supported: " + toml::excerpt(part.at("extensions").json_value->begin().key()));
             if (!part.has("attributes") || !part.at("attributes").has("POSITION")) continue;
             const Vertices vertices = vertices_of(part.at("attributes").at("POSITION"));
             add_faces(part, vertices);
         }
     }
 
-    /// Element i of an accessor begins at byte i·step, and all of them lie in the buffer.
+    /// The elements of an accessor. Element i begins at byte i·step, and all of them are inside the buffer.
     struct Elements {
         const char* first;
         std::size_t step, count;
-        std::uint64_t place;  ///< of the first, in the buffer
+        std::uint64_t place;  ///< of the first element, in the buffer
 
         template <class T, std::size_t n>
         [[nodiscard]] std::array<T, n> at(std::size_t i) const {
@@ -169,22 +171,22 @@ private:
         }
     };
     [[nodiscard]] Elements elements_of(const GltfValue& accessor, std::size_t size) {
-        if (accessor.has("sparse")) accessor.at("sparse").fail("is not read");
+        if (accessor.has("sparse")) accessor.at("sparse").fail("is not supported");
         const GltfValue& view = element(accessor.at("bufferView"), "bufferViews", "buffer view");
         const std::string& bytes = buffer(view.at("buffer"));
         const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole(),
                             offset = accessor.whole("byteOffset", 0), count = accessor.at("count").whole(),
                             step = view.whole("byteStride", size);
         if (begin > bytes.size() || length > bytes.size() - begin)
-            view.fail(fmt::format("ends behind its buffer, which has {} bytes; was it cut short?", bytes.size()));
-        if (step < size) view.at("byteStride").fail(fmt::format("is {}, and an element has {} bytes", step, size));
+            view.fail(fmt::format("ends beyond its buffer, which has {} bytes; was it cut short?", bytes.size()));
+        if (step < size) view.at("byteStride").fail(fmt::format("is {}, but an element has {} bytes", step, size));
         if (offset > length || (count > 0 && (size > length - offset || count - 1 > (length - offset - size) / step)))
             accessor.fail(fmt::format(
-                "has {} elements, which end behind its buffer view of {} bytes; was it cut short?", count, length));
+                "has {} elements, which end beyond its buffer view of {} bytes; was it cut short?", count, length));
         return {bytes.data() + begin + offset, step, count, begin + offset};
     }
 
-    /// Those of an accessor, among all.
+    /// The vertices of an accessor, as a range of all vertices.
     struct Vertices {
         std::size_t first, count;
     };
@@ -194,7 +196,7 @@ private:
         if (!is_new) return known->second;
         constexpr std::uint64_t floats = 5126;
         if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
-            accessor.fail("is not three floats a vertex");
+            accessor.fail("does not hold three floats for each vertex");
         const Elements all = elements_of(accessor, 12);
         std::vector<Vec<double>>& vertices = found_.mesh.vertices;
         require_room(accessor, vertices.size(), all.count, "vertices");
@@ -211,14 +213,15 @@ private:
         return known->second;
     }
 
-    /// A vertex takes twelve bytes of a buffer and a triangle three, but where accessors overlap or are named again. So
-    /// no more are taken than there are bytes: memory is a multiple of the files'.
+    /// Limits the memory to a multiple of the size of the files. A vertex takes twelve bytes of a buffer and a
+    /// triangle three, unless accessors overlap or are named again. So it accepts no more of them than there are
+    /// bytes.
     void require_room(const GltfValue& value, std::size_t taken, std::size_t more, const char* what) const {
         if (more > most_faces || taken > most_faces - more)
             value.fail(fmt::format("makes more than 2^31 - 1 {}", what));
         if (taken + more > bytes_read_)
             value.fail(
-                fmt::format("makes more {} than the buffers of the file have bytes; its primitives name the same "
+                fmt::format("makes more {} than the buffers of the file have bytes; its primitives use the same "
                             "numbers again and again",
                             what));
     }
@@ -229,12 +232,12 @@ private:
             return;
         }
         const GltfValue& accessor = element(part.at("indices"), "accessors", "accessor");
-        if (accessor.at("type").text() != "SCALAR") accessor.fail("is not one number a corner");
+        if (accessor.at("type").text() != "SCALAR") accessor.fail("does not hold one number for each corner");
         switch (accessor.at("componentType").whole()) {
             case 5121: return add_indexed<std::uint8_t>(accessor, vertices);
             case 5123: return add_indexed<std::uint16_t>(accessor, vertices);
             case 5125: return add_indexed<std::uint32_t>(accessor, vertices);
-            default: accessor.at("componentType").fail("is not one of whole numbers from 0 on, 5121, 5123 or 5125");
+            default: accessor.at("componentType").fail("is not a type of unsigned numbers; write 5121, 5123 or 5125");
         }
     }
     template <class T>
@@ -260,7 +263,7 @@ private:
         }
     }
 
-    /// The bytes of a buffer, read where they are wanted first.
+    /// The bytes of a buffer, read when they are first needed.
     const std::string& buffer(const GltfValue& number) {
         const GltfValue& value = element(number, "buffers", "buffer");
         std::optional<std::string>& bytes = buffers_[number.whole()];
@@ -285,7 +288,7 @@ private:
             auto bytes = begin < text.size()
                              ? bytes_of_base64(std::string_view(text).substr(begin + mark.size()), terms_.stop)
                              : std::nullopt;
-            if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, and letters");
+            if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
             return std::move(*bytes);
         }
         const std::filesystem::path file = path_of(uri);
@@ -298,7 +301,7 @@ private:
             uri.fail(error.what());
         }
     }
-    /// A file in the folder of this one or below it: what a mesh from elsewhere names is not looked for elsewhere.
+    /// The path of a file in the folder of this one or below it. A mesh from elsewhere cannot open other files.
     [[nodiscard]] std::filesystem::path path_of(const GltfValue& uri) const {
         const std::string& text = uri.text();
         const auto name = name_of_uri(text);
@@ -310,7 +313,7 @@ private:
         if (leads_out)
             uri.fail(
                 "is " + toml::quoted_excerpt(text) +
-                ", which lies outside of the folder of the glTF and is not opened; copy it there, and name it alone");
+                ", which is outside the folder of the glTF and is not opened; copy it there, and write its name alone");
         return (std::filesystem::path(file_).parent_path() / path).lexically_normal();
     }
 
@@ -319,7 +322,7 @@ private:
     json json_;
     GltfValue top_;
     std::map<std::string, std::vector<GltfValue>, std::less<>> sections_;
-    std::optional<std::string> own_;  ///< the bytes behind the JSON of a binary
+    std::optional<std::string> own_;  ///< the bytes after the JSON of a binary file
     std::vector<std::optional<std::string>> buffers_;
     std::set<std::filesystem::path> opened_;
     std::uint64_t bytes_read_ = 0;  ///< of all buffers so far

@@ -14,9 +14,9 @@ using intersect::process::StopToken;
 using nlohmann::json;
 
 constexpr int deepest = 64;                      // a mesh needs nine
-constexpr std::size_t most_values = 10'000'000;  // some 100 bytes of memory each
+constexpr std::size_t most_values = 10'000'000;  // about 100 bytes of memory each
 
-/// The letters of a JSON, which know how far they are read and whether the work is to end.
+/// An iterator over the letters of a JSON. It records how far it has read, and checks the stop token.
 class Letters {
 public:
     using iterator_category = std::input_iterator_tag;
@@ -46,7 +46,8 @@ private:
     const char** seen_;
 };
 
-/// `file:line:col` of a byte of a text, or `file: byte n` of one that lies in a binary file from `begin` on.
+/// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `begin` of a binary
+/// file.
 std::string place_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
     if (begin > 0) return fmt::format("{}: byte {}", file, begin + byte);
     const std::string_view before = text.substr(0, byte);
@@ -56,8 +57,8 @@ std::string place_in(const std::string& file, std::string_view text, std::size_t
                        std::ranges::count_if(before.substr(line_begin), starts) + 1);
 }
 
-/// Looks through a JSON before memory is made of it: how deep its values stand and how many there are depends on what
-/// the text says of itself. (The library's own callback looks at all elements of an array again behind each of them.)
+/// Checks the limits of a JSON before memory is allocated for it: the text itself says how deep its values are nested
+/// and how many there are. (The library's own callback looks at all elements of an array again after each of them.)
 class Limits final : public nlohmann::json_sax<json> {
 public:
     using Fail = std::function<void(const std::string&)>;
@@ -76,7 +77,8 @@ public:
     bool start_array(std::size_t) override { return enter(); }
     bool end_array() override { return leave(); }
     bool parse_error(std::size_t, const std::string&, const json::exception& error) override {
-        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the place is ours.
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the position is printed
+        // here.
         const std::string_view what = error.what();
         const std::size_t colon = what.find(": ");
         fail_("is not JSON: " + std::string(colon < what.size() ? what.substr(colon + 2) : what));
@@ -89,7 +91,7 @@ private:
         return true;
     }
     bool enter() {
-        if (++depth_ > deepest) fail_(fmt::format("stands in more than {} values; is it a glTF?", deepest));
+        if (++depth_ > deepest) fail_(fmt::format("is nested in more than {} values; is it a glTF?", deepest));
         return count();
     }
     bool leave() {
@@ -110,9 +112,9 @@ json parse_gltf_json(const std::string& file, std::string_view text, std::uint64
         const auto read = static_cast<std::size_t>(seen - text.data());
         throw InputError(place_in(file, text, read - (read > 0 ? 1 : 0), begin) + ": " + what);
     });
-    // The parser takes a byte 0 for the end. Zeros alone are the padding of a binary file.
+    // The parser takes a byte 0 for the end. Bytes 0 at the end are the padding of a binary file.
     if (const auto zero = text.find('\0'); text.find_first_not_of('\0', std::min(zero, text.size())) < text.size())
-        throw InputError(place_in(file, text, zero, begin) + ": has a byte 0, and more behind it; is it text?");
+        throw InputError(place_in(file, text, zero, begin) + ": has a byte 0 with more text after it; is it text?");
     const Letters first(text.data(), stop), last(text.data() + text.size(), stop);
     json::sax_parse(Letters(text.data(), stop, &seen), last, &limits);
     return json::parse(first, last);

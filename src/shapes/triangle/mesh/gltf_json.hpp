@@ -1,4 +1,4 @@
-// The JSON of a glTF: its values within limits, each with the way to it, and the bytes that its texts stand for.
+// The JSON of a glTF: its values within limits, each with its path, and decoders for base64 and addresses.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,19 @@
 
 namespace lostbits::scene::triangle {
 
-/// The values of a JSON that stands in a file, from byte `begin` on where that is a binary one. InputError with the
-/// place for what is no JSON, nests its values deeper than a mesh does or has more of them. Neither the stack nor
-/// memory depends on what the text says of itself.
+/// Reads the values of a JSON in a file; in a binary file it begins at byte `begin`. Throws InputError with the
+/// position if it is not JSON, nests its values deeper than a mesh does, or has more values. The text cannot exhaust
+/// the stack or the memory.
 nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin,
                                intersect::process::StopToken stop);
 
-/// The bytes that four letters each of base64 stand for; nothing where they are none.
+/// Decodes base64, where four letters stand for three bytes. Returns nothing if it is not base64.
 std::optional<std::string> bytes_of_base64(std::string_view letters, intersect::process::StopToken stop);
 
-/// The name that an address stands for, `%20` being a blank; nothing where it is none.
+/// Decodes an address to a name, with `%20` for a blank. Returns nothing if it is malformed.
 std::optional<std::string> name_of_uri(std::string_view uri);
 
-/// A value, and the way to it from the top: `meshes[0].primitives[2]`.
+/// A value, and its path from the top: `meshes[0].primitives[2]`.
 struct GltfValue {
     const nlohmann::json* json_value = nullptr;
     std::string way = {};
@@ -37,14 +37,14 @@ struct GltfValue {
         throw InputError(*file + ": " + (way.empty() ? "" : way + ": ") + what);
     }
     [[nodiscard]] bool has(const char* key) const { return json_value->contains(key); }
-    /// A member that must be there.
+    /// Returns a member that must be present.
     [[nodiscard]] GltfValue at(const char* key) const {
         if (!json_value->is_object()) fail("is not an object");
         const auto found = json_value->find(key);
         if (found == json_value->end()) fail(std::string("has no ") + key);
         return {&*found, way.empty() ? key : way + '.' + key, file};
     }
-    /// The elements of an array; none where the key is missing.
+    /// Returns the elements of an array; none if the key is missing.
     [[nodiscard]] std::vector<GltfValue> elements(const char* key) const {
         std::vector<GltfValue> all;
         if (!has(key)) return all;
@@ -55,7 +55,7 @@ struct GltfValue {
         return all;
     }
     [[nodiscard]] std::uint64_t whole() const {
-        if (!json_value->is_number_unsigned()) fail("is not a whole number from 0 on");
+        if (!json_value->is_number_unsigned()) fail("is not a whole number of at least 0");
         return json_value->get<std::uint64_t>();
     }
     [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t otherwise) const {

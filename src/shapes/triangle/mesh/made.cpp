@@ -10,9 +10,9 @@ namespace {
 
 Vec<double> divided_by_length(const Vec<double>& v) { return v / length(v); }
 
-/// Point i of n on the unit circle, counted from x: a quarter turn is parted by t = tan(a/2), rational in i, and the
-/// point is ((1 − t²)/(1 + t²), 2t/(1 + t²)); t steps evenly from 0 to 1, so that no sine is needed. n is a multiple
-/// of four. Steps at the ends of a quarter are up to twice as long as those in the middle.
+/// Point i of n on the unit circle, counted from x. A quarter turn is divided by t = tan(a/2), rational in i, and the
+/// point is ((1 − t²)/(1 + t²), 2t/(1 + t²)). t steps evenly from 0 to 1, so no sine is needed. n is a multiple of
+/// four. Steps at the ends of a quarter are up to twice as long as those in its middle.
 Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
     const std::uint32_t quarter = n / 4, turn = i / quarter % 4;
     const double t = static_cast<double>(i % quarter) / quarter, x = (1 - t * t) / (1 + t * t), y = 2 * t / (1 + t * t);
@@ -24,7 +24,7 @@ Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
     }
 }
 
-/// Two triangles over the corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1) of a net.
+/// Adds two triangles over the corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1) of a net.
 template <class At>
 void add_square(Mesh& mesh, const At& at, std::uint32_t i, std::uint32_t j) {
     mesh.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
@@ -92,7 +92,7 @@ Mesh make_tube(std::uint32_t around, std::uint32_t along, const Vec<double>& cen
     const auto at = [around, along](std::uint32_t i, std::uint32_t j) { return j % along * around + i % around; };
     for (std::uint32_t j = 0; j < along; ++j)
         for (std::uint32_t i = 0; i < around; ++i) add_square(mesh, at, i, j);
-    // Wound outward: along the ring first, around the tube then.
+    // Wound outward: along the ring first, then around the tube.
     for (Face& face : mesh.faces) std::swap(face[1], face[2]);
     return mesh;
 }

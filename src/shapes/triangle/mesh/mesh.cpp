@@ -13,14 +13,14 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-/// Its lower end first, and the face that it is of.
+/// An edge with its lower end first, and one of its faces.
 struct Edge {
     std::uint32_t low, high, face;
 };
 
 using intersect::process::StopToken;
 
-/// "a before b" by a key of theirs, which asks each time whether the work is to end: sorting millions takes seconds.
+/// Compares by a key, and checks the stop token at each comparison, because sorting millions takes seconds.
 template <class Key>
 auto by(const Key& key, StopToken stop) {
     return [key, stop](const auto& a, const auto& b) {
@@ -42,7 +42,7 @@ std::vector<Edge> sorted_edges(const Mesh& mesh, StopToken stop) {
     return edges;
 }
 
-/// `take(edges)` for each edge, with all the faces that it is of.
+/// Calls `take(edges)` for each edge, with all of its faces.
 template <class Take>
 void for_each_edge(const Mesh& mesh, const Take& take, StopToken stop = {}) {
     const std::vector<Edge> edges = sorted_edges(mesh, stop);
@@ -77,7 +77,7 @@ void merge_vertices(Mesh& mesh, StopToken stop) {
 
 bool is_flat(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
 
-/// The smallest number that a format rounds to infinity: half an ulp above its largest.
+/// The smallest number that a format rounds to infinity: half an ulp above its largest number.
 double overflow_of(const FloatFormat& format) {
     return std::ldexp(2 - std::ldexp(1.0, -format.precision), format.emax);
 }

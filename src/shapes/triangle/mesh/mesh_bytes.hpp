@@ -1,5 +1,5 @@
-// The bytes of a file of a mesh: lines, or pieces of a size, with their place. Of any size, a block at a time in
-// memory.
+// The bytes of a mesh file, as lines or as pieces of a given size, with their position. Files may be of any size: one
+// block at a time is in memory.
 #pragma once
 
 #include <algorithm>
@@ -13,34 +13,34 @@
 
 namespace lostbits::scene::triangle {
 
-/// Asks before each block whether the work is to end. What it hands out lives until the next call.
+/// Reads the file, and checks the stop token before each block. Views that it returns are valid until the next call.
 class MeshBytes {
 public:
-    /// InputError for what is no file: a folder, a pipe, a device.
+    /// Throws InputError if the path is not a file: a folder, a pipe, a device.
     MeshBytes(const std::filesystem::path& path, intersect::process::StopToken stop)
         : source_(path, stop, toml::Opens::files) {}
 
     [[nodiscard]] const std::string& name() const { return source_.name(); }
     [[nodiscard]] std::uint64_t size() const { return *source_.size(); }
-    /// Of the next byte, from 0.
+    /// Position of the next byte, from 0.
     [[nodiscard]] std::uint64_t place() const { return passed_ + begin_; }
-    /// Bytes that are still to come.
+    /// Number of bytes that are still to be read.
     [[nodiscard]] std::uint64_t left() const { return size() - std::min(size(), place()); }
 
-    /// The next bytes, so many; fewer at the end alone.
+    /// Returns the next `count` bytes; fewer only at the end.
     std::string_view take(std::size_t count) {
         while (buffer_.size() - begin_ < count && read_more()) {}
         const std::string_view taken = std::string_view(buffer_).substr(begin_, count);
         begin_ += taken.size();
         return taken;
     }
-    /// The next bytes, which stay there.
+    /// Returns the next bytes without consuming them.
     std::string_view look(std::size_t count) {
         const std::string_view seen = take(count);
         begin_ -= seen.size();
         return seen;
     }
-    /// The next line without its break, cut after `longest` + 1 bytes; false after the last.
+    /// Reads the next line without its break, cut after `longest` + 1 bytes. Returns false after the last line.
     bool take_line(std::string_view& line, std::size_t longest) {
         std::size_t looked = 0;
         while (true) {
@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    /// False where the file has ended.
+    /// Returns false at the end of the file.
     bool read_more() {
         constexpr std::size_t block = std::size_t{1} << 20;
         buffer_.erase(0, begin_);
@@ -73,8 +73,8 @@ private:
 
     toml::ByteSource source_;
     std::string buffer_;
-    std::size_t begin_ = 0;     ///< of what is not handed out yet
-    std::uint64_t passed_ = 0;  ///< bytes before those of the buffer
+    std::size_t begin_ = 0;     ///< start of the bytes that are not consumed yet
+    std::uint64_t passed_ = 0;  ///< number of bytes before those of the buffer
 };
 
 }  // namespace lostbits::scene::triangle

@@ -22,7 +22,7 @@ const MeshFormat& format_of(const std::filesystem::path& path) {
     for (const MeshFormat& format : formats)
         if (path.extension() == format.extension) return format;
     throw InputError(path.string() +
-                     ": the kind of a mesh is told by the end of its name; it ends in .obj, .ply, .stl, .gltf or .glb");
+                     ": is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& terms) {
     if (found.mesh.faces.empty()) throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
     tidy(found.mesh, place, terms.stop);
     if (found.mesh.faces.empty())
-        throw InputError(path.string() + ": all of its faces lie on lines; " + found.mesh.first_left_out +
+        throw InputError(path.string() + ": none of its faces has an area; " + found.mesh.first_left_out +
                          " is the first");
     return std::move(found.mesh);
 }

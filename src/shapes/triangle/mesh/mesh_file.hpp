@@ -1,14 +1,15 @@
-// Files of meshes: OBJ, PLY, STL and glTF.
+// Reads files of meshes: OBJ, PLY, STL and glTF.
 #pragma once
 
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::scene::triangle {
 
-/// The mesh of a file, told by the end of its name: .obj, .ply, .stl, .gltf or .glb; tidied. Vertices arrive with the
-/// bits of the file: a decimal is rounded once to binary64, a binary32 number is kept. A face of more than three
-/// corners becomes a fan around its first. InputError with `line:column`, the byte, or the way through a glTF for what
-/// makes no mesh. No file takes more memory than a small multiple of its bytes, and none that is not a file is opened.
+/// Reads the mesh of a file and tidies it. The ending of the name gives the format: .obj, .ply, .stl, .gltf or .glb.
+/// Vertices keep the bits of the file: a decimal is rounded once to binary64, and a binary32 number is kept. A face of
+/// more than three corners becomes a fan around its first corner. Throws InputError with `line:column`, the byte, or
+/// the path inside a glTF if the file is not a mesh. Memory is at most a small multiple of the file's bytes. Only
+/// regular files are opened.
 Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& terms = {});
 
 }  // namespace lostbits::scene::triangle

@@ -1,4 +1,4 @@
-// The readers of files of meshes, one a format.
+// The readers of mesh files, one for each format.
 #pragma once
 
 #include <span>
@@ -8,7 +8,8 @@
 
 namespace lostbits::scene::triangle {
 
-/// A mesh as a file gives it, with a place for each face: a line, or the number of the face where a file has no lines.
+/// A mesh as a file gives it, with a position for each face: a line, or the number of the face if the file has no
+/// lines.
 struct MeshInFile {
     Mesh mesh;
     std::vector<std::uint32_t> lines = {};
@@ -22,18 +23,19 @@ struct MeshInFile {
     }
 };
 
-inline constexpr std::size_t most_vertices = 0xffffffff;  ///< places are 32 bits wide
+inline constexpr std::size_t most_vertices = 0xffffffff;  ///< indices are 32 bits wide
 inline constexpr std::size_t most_faces = 0x7fffffff;     ///< numbers of faces are signed
 
-/// `v` and `f` of a Wavefront OBJ; texture and normal of a corner, and all other lines that an OBJ has, are left aside.
+/// Reads `v` and `f` of a Wavefront OBJ. It ignores the texture and normal of a corner, and all other lines that an
+/// OBJ has.
 MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms);
-/// PLY 1.0: the element `vertex` with `x`, `y`, `z`, and `face` with a list `vertex_indices` or `vertex_index`.
+/// Reads PLY 1.0: the element `vertex` with `x`, `y`, `z`, and `face` with a list `vertex_indices` or `vertex_index`.
 MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& terms);
-/// STL, in text or bytes; told apart by the size, which in bytes is 84 + 50 n.
+/// Reads STL, as text or binary. The size tells them apart: a binary file has 84 + 50 n bytes.
 MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& terms);
-/// glTF 2.0, as JSON or as one binary: the triangles of the default scene, or of all meshes where there is none. A node
-/// that moves its mesh is an error: vertices would be rounded. Buffers are read from the folder of the file, or from
-/// below it, and nothing else is opened.
+/// Reads glTF 2.0, as JSON or as one binary file: the triangles of the default scene, or of all meshes if there is no
+/// scene. A node that moves its mesh is an error, because its vertices would be rounded. Buffers are read from the
+/// folder of the file or below it, and nothing else is opened.
 MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& terms);
 
 }  // namespace lostbits::scene::triangle

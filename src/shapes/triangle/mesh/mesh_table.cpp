@@ -60,7 +60,7 @@ private:
         table_.read_number(key, otherwise, smallest, largest);
         return otherwise;
     }
-    /// A count that is a multiple of four: a circle is parted by its quarters.
+    /// Reads a count that is a multiple of four, because a circle is divided by its quarters.
     std::uint32_t quarters(std::string_view key, long long otherwise) {
         const long long n = table_.optional_integer(key, 4, most_parts * 256).value_or(otherwise);
         if (n % 4 != 0) table_.fail_at(key, "must be a multiple of 4; write " + std::to_string(n / 4 * 4 + 4));
@@ -73,12 +73,12 @@ private:
 Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms) {
     Mesh mesh;
     if (table.has("file")) {
-        if (table.has("make")) table.reject("make", "stands beside file; a mesh is made or read, not both");
+        if (table.has("make")) table.reject("make", "is given together with file; a mesh is made or read, not both");
         const std::filesystem::path path = folder / table.string("file");
         std::error_code unknown;
         if (!std::filesystem::is_regular_file(path, unknown))
             table.fail_at("file", "names " + path.string() +
-                                      ", which is not a file; it is looked for from the folder "
+                                      ", which is not a file; the path is relative to the folder "
                                       "of the scene");
         mesh = read_mesh_file(path, terms);
     } else {
@@ -88,8 +88,8 @@ Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, c
             mesh, [](std::size_t face) { return "face " + std::to_string(face); }, terms.stop);
         if (mesh.faces.empty())
             table.fail_at("make",
-                          "makes triangles without area alone, since their vertices round to one another so "
-                          "far from the origin; move centre nearer to it, or make it larger");
+                          "makes only triangles without area, because their vertices round to the same points so "
+                          "far from the origin; move centre nearer to it, or make the mesh larger");
     }
     table.reject_unknown_keys();
     return mesh;
@@ -102,7 +102,7 @@ Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& fold
         return read_table(table, folder, terms);
     } catch (const std::bad_alloc&) {
         throw EnvironmentError(table.where(table.has("file") ? "file" : "make").text() +
-                               ": this mesh does not fit into memory; take one of fewer triangles");
+                               ": this mesh does not fit into memory; use one with fewer triangles");
     }
 }
 

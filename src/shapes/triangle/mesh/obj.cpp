@@ -5,7 +5,7 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-/// The words that begin the other lines of an OBJ, the usual ones first.
+/// The keywords of the other lines of an OBJ, the usual ones first.
 constexpr std::string_view other_words[] = {
     "vn",       "vt",       "#",     "g",     "o",      "s",      "usemtl",     "mtllib",   "l",    "p",
     "vp",       "mg",       "lod",   "bevel", "call",   "csh",    "cstype",     "deg",      "bmat", "step",
@@ -16,7 +16,7 @@ bool is_left_aside(std::string_view word) {
     return word.empty() || word[0] == '#' || std::ranges::find(other_words, word) != std::end(other_words);
 }
 
-/// `7`, `7/1`, `7/1/2`, `7//2`, `-1`: the place of the vertex from 0.
+/// Returns the index of a vertex, from 0, for `7`, `7/1`, `7/1/2`, `7//2` or `-1`.
 std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t vertices) {
     const std::string_view text = word.substr(0, word.find('/'));
     long long place = 0;
@@ -26,8 +26,8 @@ std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t 
     const auto count = static_cast<long long>(vertices);
     if (place == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
     if (place > count || place < -count)
-        lines.fail("names vertex " + std::to_string(place) + ", and " + std::to_string(count) +
-                   " stand above; vertices count from 1, and a face follows its vertices");
+        lines.fail("names vertex " + std::to_string(place) + ", but " + std::to_string(count) +
+                   " are defined above; vertices count from 1, and a face follows its vertices");
     return static_cast<std::uint32_t>(place > 0 ? place - 1 : count + place);
 }
 
@@ -41,7 +41,7 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
         const std::string_view what = lines.word();
         if (what == "v") {
             if (found.mesh.vertices.size() == most_vertices)
-                lines.fail("is one vertex too many: 2^32 - 1 are the most");
+                lines.fail("is one vertex too many; the limit is 2^32 - 1");
             const auto number = [&](const char* name) { return lines.coordinate<double>(name, terms.stored); };
             const double x = number("x"), y = number("y"), z = number("z");
             found.mesh.vertices.emplace_back(x, y, z);
@@ -52,10 +52,10 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
             if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
             found.add(corners, lines.line());
             if (found.mesh.faces.size() > most_faces)
-                lines.fail_line("is one face too many: 2^31 - 1 triangles are the most");
+                lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
         } else if (!is_left_aside(what)) {
             lines.fail(toml::quoted_excerpt(what) +
-                       " begins no line of an OBJ, so it may be a face that is left out; correct it, or write # before "
+                       " is not a keyword of OBJ, so a face might be left out; correct it, or write # before "
                        "it");
         }
     }

@@ -30,7 +30,7 @@ std::size_t bytes_of(PlyType type) { return ply_types[static_cast<std::size_t>(t
 struct PlyProperty {
     std::string name;
     PlyType type{};
-    std::optional<PlyType> count = {};  ///< of a list: the type of how many follow
+    std::optional<PlyType> count = {};  ///< for a list: the type of its length
 
     [[nodiscard]] bool is_corners() const { return name == "vertex_indices" || name == "vertex_index"; }
 };
@@ -51,7 +51,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements = {};
 };
 
-/// The lines above `end_header`.
+/// Reads the lines above `end_header`.
 class PlyHeaderLines {
 public:
     explicit PlyHeaderLines(TextLines& lines) : lines_(lines) {}
@@ -65,8 +65,9 @@ public:
             else if (what == "element") read_element();
             else if (what == "property") read_property();
             else if (what != "comment" && what != "obj_info" && !what.empty())
-                lines_.fail(toml::quoted_excerpt(what) +
-                            " begins no line of a header; write format, element, property, comment or end_header");
+                lines_.fail(
+                    toml::quoted_excerpt(what) +
+                    " is not a keyword of a PLY header; write format, element, property, comment or end_header");
         }
         lines_.fail("ends before end_header");
     }
@@ -77,7 +78,8 @@ private:
                                                                           {"binary_little_endian", PlyBytes::little},
                                                                           {"binary_big_endian", PlyBytes::big}};
         const auto found = std::ranges::find(known, lines_.word(), &std::pair<std::string_view, PlyBytes>::first);
-        if (found == std::end(known)) lines_.fail("the format is ascii, binary_little_endian or binary_big_endian");
+        if (found == std::end(known))
+            lines_.fail("the format must be ascii, binary_little_endian or binary_big_endian");
         header_.bytes = found->second;
         has_format_ = true;
     }
@@ -88,7 +90,7 @@ private:
         header_.elements.push_back({name, lines_.number<std::uint32_t>("the count of " + toml::excerpt(name))});
     }
     void read_property() {
-        if (header_.elements.empty()) lines_.fail_line("a property stands before the first element");
+        if (header_.elements.empty()) lines_.fail_line("a property comes before the first element");
         PlyElement& element = header_.elements.back();
         PlyProperty property;
         std::string_view type = lines_.word();
@@ -109,7 +111,7 @@ private:
         lines_.fail(toml::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
     }
     PlyHeader whole() {
-        if (!has_format_) lines_.fail("the header has no line format; write format ascii 1.0, if the numbers are text");
+        if (!has_format_) lines_.fail("the header has no format line; write format ascii 1.0 if the numbers are text");
         for (const PlyElement& element : header_.elements) {
             if (element.is_vertex() && !(element.has("x") && element.has("y") && element.has("z")))
                 lines_.fail("vertex has no x, y and z");
@@ -128,7 +130,7 @@ private:
     bool has_format_ = false;
 };
 
-/// The numbers of the body, one after the other.
+/// Reads the numbers of the body, one after the other.
 class PlyNumbers {
 public:
     PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyBytes kind, const FloatFormat& stored)
@@ -137,22 +139,23 @@ public:
     /// Refuses a count for which the file is too short, before anything is read.
     void begin(const PlyElement& element) {
         last_ = bytes_.place();
-        std::uint64_t least = 0;  // bytes of one: a list may be empty, and a number of text is a digit and a blank
+        // The fewest bytes of one element: a list may be empty, and a number in text is a digit and a blank.
+        std::uint64_t least = 0;
         for (const PlyProperty& p : element.properties) least += is_text() ? 2 : bytes_of(p.count.value_or(p.type));
-        // The last line of a text may do without its break.
+        // The last line of a text may lack its line break.
         if (element.count * least > bytes_.left() + 1)
             throw InputError(fmt::format(
                 "{}: ends before the {} of {}, which take at least {} bytes; was it cut short?", place(),
                 toml::counted(element.count, "element"), toml::excerpt(element.name), element.count * least));
     }
-    /// A line of text is an element.
+    /// Begins an element, which is one line in a text file.
     void begin_element() {
         if (is_text() && !lines_.next()) lines_.fail("ends before all elements are there; was it cut short?");
     }
     void end_element() {
         if (is_text() && !lines_.word().empty()) lines_.fail("follows the last property of its element");
     }
-    /// Refuses what the header does not name: it may be faces.
+    /// Refuses data that the header does not name, because it may be faces.
     void end() {
         if (!is_text() && bytes_.left() > 0)
             fail(toml::counted(bytes_.left(), "byte follows", "bytes follow") +
@@ -165,7 +168,7 @@ public:
         if (!is_text()) return from_bytes(type);
         const std::string what = of + property.name;
         switch (type) {
-            case PlyType::f32: return lines_.number<float>(what);  // rounded once, to the type that is stated
+            case PlyType::f32: return lines_.number<float>(what);  // rounded once, to the stated type
             case PlyType::f64: return lines_.number<double>(what);
             default: return static_cast<double>(lines_.number<long long>(what));
         }
@@ -176,15 +179,15 @@ public:
             fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
         return x;
     }
-    /// How many numbers a list has.
+    /// Reads the length of a list.
     std::size_t length(const PlyProperty& list) {
         constexpr double most = 1e6;
         const double x = next(list, *list.count, "the length of ");
         if (!is_whole(x) || x > most)
-            fail(fmt::format("the length of {} is {}; a whole number up to a million is read", list.name, x));
+            fail(fmt::format("the length of {} is {}; it must be a whole number up to a million", list.name, x));
         return static_cast<std::size_t>(x);
     }
-    /// The place of a vertex.
+    /// Reads the index of a vertex.
     std::uint32_t corner(const PlyProperty& property, std::size_t vertices) {
         const double x = next(property, property.type);
         if (!is_whole(x) || x >= static_cast<double>(vertices))
@@ -193,12 +196,12 @@ public:
     }
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(place() + ": " + what +
-                         (is_text() ? "" : "; is the order of bytes the one that format says?"));
+                         (is_text() ? "" : "; is the byte order the one that the format line says?"));
     }
 
 private:
     [[nodiscard]] bool is_text() const { return kind_ == PlyBytes::text; }
-    /// Of the word or the number that was read last.
+    /// Position of the word or the number that was read last.
     [[nodiscard]] std::string place() const {
         return is_text() ? lines_.place() : fmt::format("{}: byte {}", bytes_.name(), last_);
     }
@@ -235,13 +238,13 @@ private:
     MeshBytes& bytes_;
     PlyBytes kind_;
     FloatFormat stored_;
-    std::uint64_t last_ = 0;  ///< of bytes: where the last number begins
+    std::uint64_t last_ = 0;  ///< in a binary file: where the last number begins
 };
 
 void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
     Vec<double> p(0, 0, 0);
     for (const PlyProperty& property : element.properties) {
-        if (property.count) numbers.fail("vertex has a list, which is not read");
+        if (property.count) numbers.fail("vertex has a list, which is not supported");
         const bool wanted = property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z';
         if (wanted) p[property.name[0] - 'x'] = numbers.coordinate(property);
         else static_cast<void>(numbers.next(property, property.type));
@@ -249,7 +252,7 @@ void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
     mesh.vertices.push_back(p);
 }
 
-/// Reads the lists of a face, or of an element that is not wanted.
+/// Reads the lists of a face, or skips an element that is not needed.
 void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
                 std::vector<std::uint32_t>& corners) {
     corners.clear();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t head = 84, record = 50;
 
-/// The words of an STL in text: solid, then facets, then endsolid.
+/// Reads the words of an STL in text: solid, then facets, then endsolid.
 class StlText {
 public:
     StlText(MeshBytes& bytes, const FloatFormat& stored) : lines_(bytes), stored_(stored) {}
@@ -36,10 +36,11 @@ private:
         else if (what == "endfacet") end_facet();
         else if (what == "endsolid") step(Stands::in_solid, Stands::outside);
         else if (what != "outer" && what != "endloop")
-            lines_.fail(toml::quoted_excerpt(what) + " begins no line of an STL; is it one?");
+            lines_.fail(toml::quoted_excerpt(what) + " is not a keyword of STL; is it an STL?");
     }
     void step(Stands from, Stands to) {
-        if (stands_ != from) lines_.fail("stands " + std::string(where_words[static_cast<std::size_t>(stands_)]));
+        if (stands_ != from)
+            lines_.fail("is not allowed " + std::string(where_words[static_cast<std::size_t>(stands_)]));
         stands_ = to;
     }
     void take_vertex() {
@@ -64,13 +65,13 @@ private:
     FloatFormat stored_;
     MeshInFile found_;
     Stands stands_ = Stands::outside;
-    std::size_t corners_ = 0;  ///< of the facet so far
+    std::size_t corners_ = 0;  ///< number of vertices of the facet so far
 };
 
 }  // namespace
 
 MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& terms) {
-    static_assert(std::endian::native == std::endian::little, "the numbers of an STL are");
+    static_assert(std::endian::native == std::endian::little, "STL is little endian, and its numbers are copied");
     const std::string start(bytes.look(head));
     std::uint32_t count = 0;
     if (start.size() == head) std::memcpy(&count, start.data() + 80, 4);

@@ -1,4 +1,4 @@
-// A text file line by line, with its errors: of any size, a line at a time in memory.
+// Reads a text file line by line and reports its errors. Files may be of any size: one line at a time is in memory.
 #pragma once
 
 #include <algorithm>
@@ -22,25 +22,26 @@ public:
 
     explicit TextLines(MeshBytes& bytes) : bytes_(bytes) {}
 
-    /// The next line without its end; false after the last. A byte order mark is not a part of the first.
+    /// Goes to the next line, without its end. Returns false after the last. A byte order mark is not part of the
+    /// first line.
     bool next() {
         if (!bytes_.take_line(line_, longest)) return false;
         at_ = 0, word_ = 0;
         if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
-        if (line_.size() > longest) fail("is longer than 1 MB; a mesh has a vertex or a face a line");
+        if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
-        // What a view of text takes for its end would hide the rest of the line.
+        // Some programs take these bytes for the end of a line, and hide the rest.
         refuse_byte('\0', "has a byte 0; is it text?");
-        refuse_byte('\r', "has a carriage return inside of the line; write line feeds");
+        refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         return true;
     }
-    /// The next word of the line; empty at its end.
+    /// Returns the next word of the line; empty at its end.
     std::string_view word() {
         word_ = std::min(line_.find_first_not_of(" \t", at_), line_.size());
         at_ = std::min(line_.find_first_of(" \t", word_), line_.size());
         return line_.substr(word_, at_ - word_);
     }
-    /// The next word as a number of type T, rounded once; `what` names it in errors.
+    /// Reads the next word as a number of type T, rounded once. Errors call it `what`.
     template <class T>
     T number(std::string_view what) {
         const std::string_view text = word();
@@ -57,7 +58,7 @@ public:
                                           : "a number"));
         return x;
     }
-    /// The next word as a number of a vertex that the scene can hold.
+    /// Reads the next word as a coordinate of a vertex that the scene can hold.
     template <class T>
     T coordinate(std::string_view what, const FloatFormat& stored) {
         const T x = number<T>(what);
@@ -68,16 +69,16 @@ public:
     }
 
     [[nodiscard]] std::size_t line() const { return number_; }
-    /// Of the word that was read last; columns count characters.
+    /// Position of the word that was read last; columns count characters.
     [[nodiscard]] std::string place() const { return place_of(word_); }
     [[noreturn]] void fail(const std::string& what) const { throw InputError(place() + ": " + what); }
-    /// The same for the line as a whole.
+    /// Fails at the line as a whole.
     [[noreturn]] void fail_line(const std::string& what) const {
         throw InputError(place_of(std::min(line_.find_first_not_of(" \t"), line_.size())) + ": " + what);
     }
 
 private:
-    /// The exact number decides: too small for T it is rounded, as any other.
+    /// Decides by the exact number: if it is only too small for T, it is rounded like any other.
     template <class T>
     T out_of_range(std::string_view text, std::string_view what) const {
         if constexpr (std::is_floating_point_v<T>) {
@@ -96,7 +97,7 @@ private:
         fail(why);
     }
     [[nodiscard]] std::string place_of(std::size_t byte) const {
-        const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of UTF-8 go on
+        const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of a character in UTF-8
         const auto column = std::ranges::count_if(line_.substr(0, byte), starts) + 1;
         return bytes_.name() + ":" + std::to_string(number_) + ":" + std::to_string(column);
     }
@@ -104,7 +105,7 @@ private:
     MeshBytes& bytes_;
     std::size_t number_ = 0;
     std::string_view line_;
-    std::size_t at_ = 0, word_ = 0;  ///< in the line: behind the last word, and where it begins
+    std::size_t at_ = 0, word_ = 0;  ///< in the line: the end of the last word, and its start
 };
 
 }  // namespace lostbits::scene::triangle

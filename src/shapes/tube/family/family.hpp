@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::tube {
 
-/// `size` is half of the height, or nearly; the radius is a sixteenth of it or up to as large.
+/// `size` is about half of the height. The radius is between a sixteenth of `size` and all of it.
 struct TubeFamily : rays::AimedFamily<TubeFamily> {
     static constexpr std::string_view table = "tube_family";
 

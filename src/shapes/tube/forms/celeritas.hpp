@@ -1,5 +1,5 @@
-// The quadratic divided by a = 1 − dz², of a direction of length one, and no root where a is below an absolute 1e-10:
-// a line nearly beside the axis.
+// The quadratic divided by a = 1 − dz², for a direction of length one. It finds no root if a is below an absolute
+// 1e-10, for a line nearly parallel to the axis.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

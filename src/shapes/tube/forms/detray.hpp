@@ -1,5 +1,5 @@
-// detray's cylinder: everything divided by dx² + dy² at once, half b squared added to (r² − ox² − oy²)/a, plain roots;
-// a direction within an ulp of the axis meets nothing.
+// detray's cylinder: everything is divided by dx² + dy² first, the square of half b is added to (r² − ox² − oy²)/a,
+// and the roots are plain. A direction within an ulp of the axis meets nothing.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"

@@ -1,4 +1,4 @@
-// Where the line is inside, the near and the far side of the wall: a filter by its span.
+// A filter by the span of the tube: the t at which the line crosses the near and the far side of the wall.
 #pragma once
 
 #include "intersect/filter/by_span.hpp"

@@ -1,4 +1,5 @@
-// An instance along z: a frame from the axis, the ray taken into it, x² + y² = r² there, and z between the ends.
+// An instance along z. The ray is transformed into a frame made from the axis. There the tube is x² + y² = r², with z
+// between the ends.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -9,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct InFrameOfTube {
     static constexpr Info info{
         .name = "tube.framed",
-        .title = "taken into a frame along the axis",
+        .title = "transformed into a frame along the axis",
         .source = "pbrt-v4, src/pbrt/shapes.h, Cylinder, with CoordinateSystem (Duff et al. 2017) as its transform",
         .roots = Roots::first_only,
     };

@@ -1,5 +1,5 @@
-// An instance along z, with the moment o × d there: disc = r² (dx² + dy²) − (ox dy − oy dx)², so that no square of the
-// distance is subtracted, and stable roots.
+// An instance along z, with the moment o × d there: disc = r² (dx² + dy²) − (ox dy − oy dx)². No square of the
+// distance is subtracted, and the roots are stable.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -10,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct FramedMoment {
     static constexpr Info info{
         .name = "tube.framed_moment",
-        .title = "taken into a frame along the axis, moment, stable roots",
+        .title = "transformed into a frame along the axis, moment, stable roots",
         .source = "this project: Lagrange's identity in the frame of pbrt's cylinder",
         .roots = Roots::first_only,
     };

@@ -1,5 +1,5 @@
-// Mitsuba's cylinder: the ray taken to the cylinder in the renderer's format, which rounds, and the quadratic in
-// double.
+// Mitsuba's cylinder: the ray is transformed to the cylinder in the renderer's format, which rounds, and the quadratic
+// is solved in double.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -10,7 +10,7 @@ namespace lostbits::intersect::tube {
 struct MitsubaTube {
     static constexpr Info info{
         .name = "tube.mitsuba",
-        .title = "taken into a frame in float, quadratic in double",
+        .title = "transformed into a frame in float, quadratic in double",
         .source = "Mitsuba 3, src/shapes/cylinder.cpp, ray_intersect_preliminary_impl, and solve_quadratic of math.h",
         .roots = Roots::first_only,
         .formats = Formats::binary32_only,

@@ -1,4 +1,4 @@
-// What several tube forms share: the first root ahead that lies between the ends.
+// Shared by several tube forms: the first root ahead that lies between the ends.
 #pragma once
 
 #include "intersect/roots.hpp"
@@ -6,8 +6,8 @@
 
 namespace lostbits::intersect::tube {
 
-/// The place of a root along the axis is `low` + t `across`, between 0 and `height`; the far root counts where the near
-/// one is beyond an end or behind. A NaN is no root.
+/// Finds the first root whose position along the axis, `low` + t `across`, is between 0 and `height`. The far root
+/// counts if the near one is beyond an end or behind. A NaN is not a root.
 template <Number T>
 Hit<T> first_between_ends(const mask_t<T>& missed, const RootPair<T>& roots, const T& low, const T& across,
                           const T& height) {

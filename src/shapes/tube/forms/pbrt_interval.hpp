@@ -1,5 +1,6 @@
-// pbrt-v4's cylinder: taken into a frame along the axis, and from there in interval arithmetic, with the discriminant
-// factored; a miss only where its lower bound is negative. A root counts as in front where its lower bound is positive.
+// pbrt-v4's cylinder: the ray is transformed into a frame along the axis, and the rest is in interval arithmetic, with
+// the discriminant factored. It misses only if the lower bound of the discriminant is negative. A root counts as in
+// front if its lower bound is positive.
 #pragma once
 
 #include "intersect/outward.hpp"

@@ -1,4 +1,4 @@
-// The shortest way between line and axis decides, and stable roots: the wall of `cylinder.triple_product` alone.
+// The shortest distance between line and axis decides, with stable roots: the wall of `cylinder.triple_product` alone.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"

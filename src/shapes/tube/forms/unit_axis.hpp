@@ -1,4 +1,4 @@
-// The axis made a unit vector first, then dot products: C = O·O − Oz² − r² subtracts squares of the distance twice.
+// Normalises the axis first, then takes dot products: C = O·O − Oz² − r² subtracts squares of the distance twice.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"
@@ -8,7 +8,7 @@ namespace lostbits::intersect::tube {
 struct AlongUnitAxis {
     static constexpr Info info{
         .name = "tube.unit_axis",
-        .title = "dot products with the axis made a unit vector",
+        .title = "dot products with the normalised axis",
         .source = "Embree, kernels/geometry/cylinder.h, Cylinder::intersect, cut off at both ends",
         .roots = Roots::first_only,
     };
