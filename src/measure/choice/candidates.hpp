@@ -71,7 +71,8 @@ struct ChoiceRequest {
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
     std::vector<evaluate::Show> shows = {};  ///< receive the rows of `measure_candidates`, in their order; may be empty
-    /// Receives the number of rays times rows done; may throw to stop. The plan's own progress counts its measurements.
+    /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
+    /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     /// Id of the scene or of the files, which names the results.
