@@ -199,7 +199,7 @@ TEST_CASE("bad claims are refused with their place") {
         {{given(""), all_missed, "scene"},
          {given("scene = \"camera-insid\""), all_missed, "camera-inside"},
          {given(scene, "sphere.pres"), all_missed, "or --shader); did you mean \"sphere.press\"?\n"},
-         {given(scene, "mylib.mine"), all_missed, "a form of your own comes by --plugin, --pipe or --shader"},
+         {given(scene, "mylib.mine"), all_missed, "load a form of your own with --plugin, --pipe or --shader"},
          {inside + "size = [64, 48]\n", all_missed, "claim[0].given.size is the scene's own"},
          {given(scene, "sphere.press", "f33"), all_missed, "f32"},
          {inside, metric_in("false_mis_fraction"), "false_miss_fraction"},

@@ -115,7 +115,7 @@ TEST_CASE("claims about consistency are measured, and those that are none are re
     const std::string fraction = metric_in("disagree_fraction");
     check_refused_claims(scratch, {{octree, fraction, "check"},
                                    {octree + "check = \"befor\"\n", fraction, "did you mean \"before\"?"},
-                                   {octree + "check = \"light\"\n", fraction, "cannot be asked of box.max_mult"},
+                                   {octree + "check = \"light\"\n", fraction, "does not apply to box.max_mult"},
                                    {before, metric_in("disagree_fractio"), "did you mean \"disagree_fraction\"?"},
                                    {before + "at = 3\n", fraction, "leave it out"},
                                    {before + "scene = \"near-benign\"\n", fraction, "write one of them"},

@@ -210,7 +210,7 @@ TEST_CASE("a claim about a choice fails nothing, and wrong words are refused wit
                           {eighteen + "formats = [\"f31\"]\n", chosen, "f31"},
                           {eighteen + "formats = [\"bf16\"]\n", chosen, "emulated"},
                           {eighteen + "bit = 3\n", meets, "bits"},
-                          {choice + tested("box.signs") + "bits = 18\n", meets, "other solids"}},
+                          {choice + tested("box.signs") + "bits = 18\n", meets, "other primitives"}},
                          head, " --profile timing");
     check_refused_claims(scratch, {{eighteen, meets, "profile = \"timing\""}}, "profile = \"results\"\n");
 }

@@ -135,7 +135,7 @@ TEST_CASE("an answer of the near root behind the ray can be said, and is a miss 
     const auto with = [&](const std::string& options) {
         return run("judge '" + file + "' --format f32 --sphere 0,0,0,1" + options + into(scratch));
     };
-    CHECK(has(with("").err, "the near root, behind the ray; say --inside near, by which t < 0 is a miss"));
+    CHECK(has(with("").err, "the near root, behind the ray; say --inside near: t < 0 is then a miss"));
     const Outcome near = with(" --inside near");
     CHECK(near.code == 0);
     CHECK(near.err.empty());

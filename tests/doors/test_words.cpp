@@ -60,12 +60,12 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
              {"exit_at_origin", "say LB_EXIT (origin_exits, at_origin=exit)"},
              {"box_exit", "say LB_INSIDE_EXIT (inside_exit, inside=exit)"},
              {"near", "say LB_FIRST (first_root, roots=first)"},
-             {"behind", "or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss"},
+             {"behind", "or say LB_NEAR (near_root, roots=near): t < 0 is then a miss"},
              {"endless", "say LB_NO_END (ignores_end, flags=no_end)"},
              {"open_triangle", "a ray through an edge misses; say LB_MISS (touching_misses, touching=miss)"},
              {"at_triangle", "a surface at the origin is passed over; say LB_MISS (origin_misses, at_origin=miss)"},
              {"open_at_start", "both ends of a range belong to it, start <= t <= end"},
-             {"forgets_the_start", "a range that begins behind the solid, where t = 8, hits; it should miss"},
+             {"forgets_the_start", "a range that begins behind the primitive, at t = 8, hits; it should miss"},
              {"thickness", "the thickness; hand over near + thickness"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), "promises broken"));

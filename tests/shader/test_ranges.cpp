@@ -81,12 +81,12 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
         }
     }
     const Outcome told = must("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
-    CHECK(has(told.out, "a range that begins behind the solid, where t = 8, misses"));
+    CHECK(has(told.out, "a range that begins behind the primitive, at t = 8, misses"));
     const Outcome forgets = run("plugin check --shader ends_alone.glsl", folder.path());
     INFO(forgets.out << forgets.err);
     CHECK(forgets.code == 1);
     CHECK(has(forgets.out,
-              "a range that begins behind the solid, where t = 8, hits; it should miss: `starts` says where"));
+              "a range that begins behind the primitive, at t = 8, hits; it should miss: `starts` says where"));
 }
 
 TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats and doubles", "[shader-device]") {

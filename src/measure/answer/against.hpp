@@ -1,4 +1,4 @@
-// Two forms on the same ray, held against each other: nobody has to know the truth to see that they differ.
+// Compares the answers of two forms to the same ray. A difference shows without knowing the truth.
 #pragma once
 
 #include <array>
@@ -10,19 +10,19 @@
 
 namespace lostbits::measure::answer {
 
-/// `incomparable_t` where both hit and their t cannot be compared: one tells none, or one gets unit directions and the
-/// other does not.
+/// `incomparable_t`: both hit, but their t cannot be compared. Either one of them answers no t, or one takes unit
+/// directions and the other does not.
 enum class Against : std::uint8_t { both_miss, same_t, other_t, incomparable_t, alone_hits, other_alone_hits };
 
 inline constexpr std::array<std::string_view, 6> against_names{"both_miss",      "same_t",     "other_t",
                                                                "incomparable_t", "alone_hits", "other_alone_hits"};
 
-/// Whether the two t mean the same.
+/// True where the t of both forms have the same meaning: both answer one, for the same kind of direction.
 bool are_comparable(const intersect::Info& a, const intersect::Info& b);
 
-/// What became of each ray, as a place in `against_names`, and by how much the answers are apart where both hit:
-/// (t − t of the other)/ulp_F(t of the other); 0 for the same number, infinite where one is infinite or NaN alone, NaN
-/// where not both tell one. Two NaN are the same. Either span may be empty.
+/// Outcome of each ray, as an index into `against_names`, and the distance of the two answers where both hit: (t − t of
+/// the other)/ulp_F(t of the other). It is 0 for the same number, infinite where exactly one is infinite or NaN, and
+/// NaN where the t are not comparable. Two NaN are the same. Either span may be empty.
 void compare_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
                      std::span<double> which, std::span<double> apart);
 

@@ -30,7 +30,7 @@ using truth::FormatInputs;
 
 namespace {
 
-/// Each ray and the solid that it is paired with; neighbours with the same solid together.
+/// Tests each ray against the primitive that it is paired with. Neighbouring rays with the same primitive go together.
 template <class S, class Kernel>
 void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
@@ -50,7 +50,7 @@ void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& 
     }
 }
 
-/// The same in one call, for kernels from outside, each call of which may cost a message to another process.
+/// Does the same in one call, for external kernels: each call may cost a message to another process.
 template <class S, class Kernel>
 void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
@@ -64,7 +64,7 @@ void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& i
     }
 }
 
-/// One chunk of rays against all solids, keeping the nearest.
+/// Tests one chunk of rays against all primitives and keeps the nearest hit.
 template <class S, class Kernel>
 void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
@@ -76,12 +76,13 @@ void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
     chunk.put(answers);
 }
 
-/// One ray, in its range, against many spheres in the format's own arithmetic: into `t` and `hit`, one for each sphere.
+/// Kernel of one ray, in its range, against many spheres in the format's own arithmetic. It fills `t` and `hit`, one
+/// for each sphere.
 template <class S>
 using OneToMany =
     std::function<void(const Ray<S>&, const Range<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
 
-/// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare: eight bytes are looked at together.
+/// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare, so eight bytes are tested together.
 template <class Take>
 void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
     std::size_t c = 0;
@@ -98,7 +99,7 @@ void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
     }
 }
 
-/// Whether one of the hits can take the place of the hit at `best`, which is a number: most spheres cannot.
+/// True if one of the hits comes before the hit at `best`, which is a number. For most spheres none does.
 template <class S>
 bool any_before(std::span<const S> t, std::span<const std::uint8_t> hit, S best) {
     unsigned any = 0;
@@ -106,7 +107,8 @@ bool any_before(std::span<const S> t, std::span<const std::uint8_t> hit, S best)
     return any != 0;
 }
 
-/// Rays against the spheres of one page that they can meet, in their order: what `nearest_of` finds, without the rest.
+/// Tests rays against the spheres of one page that they can meet, in their order. Finds what `nearest_of` finds, and
+/// tests only these spheres.
 template <class S>
 class PageOfSpheres {
 public:
@@ -120,7 +122,7 @@ public:
             const Ray<double> ray = rays_[p];
             in_.index->find_runs(SphereIndex::UnitRay(ray), page, grain_, runs_);
             if (runs_.empty()) continue;
-            in_.stop.check();  // a ray may ask all of the page, in software
+            in_.stop.check();  // a ray may test all spheres of the page, in software
             if (!columns)
                 columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
             for (const auto& [from, to] : runs_) {
@@ -149,7 +151,7 @@ private:
     const RayBlock& rays_;
     const FormatInputs& in_;
     Answers& answers_;
-    /// Numbers in software are slower than the question whether a sphere is a candidate.
+    /// Numbers in software are slower than the test that says if a sphere is a candidate.
     SphereIndex::Grain grain_ =
         in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
     std::array<std::vector<S>, 4> room_;
@@ -158,7 +160,7 @@ private:
     std::vector<std::uint8_t> hit_;
 };
 
-/// Page by page, whose numbers stay in the second-level cache while many rays ask for them.
+/// Goes page by page: the numbers of a page stay in the second-level cache while many rays use them.
 template <class S>
 void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
     constexpr std::size_t together = 4096;
@@ -170,7 +172,7 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
     });
 }
 
-/// A kernel of many rays and one solid, asked solid by solid.
+/// Makes a kernel of one ray and many spheres from a kernel of many rays and one primitive.
 template <class S, class Kernel>
 OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
     return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const SolidArrays<S>& all, std::span<S> t,
@@ -191,14 +193,16 @@ OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
     };
 }
 
-/// The kernel for many spheres, which knows the first root of each alone; null where a range asks for more.
+/// Wraps the kernel for many spheres, which answers only the first root of each; null where rays have ranges, which
+/// need more.
 template <class S, class Kernel>
 OneToMany<S> many_at_once(const Kernel& kernel, const RayBlock& rays) {
     if (!kernel || rays.have_ranges()) return nullptr;
     return [kernel](const Ray<S>& ray, const Range<S>&, const auto&... rest) { kernel(ray, rest...); };
 }
 
-/// The same over all spheres that a ray can meet; a row that is not the table's has no kernel for many spheres.
+/// Finds the nearest hit over all spheres that a ray can meet. A row that is not in the table has no kernel for many
+/// spheres.
 void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
                Answers& answers) {
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
@@ -218,7 +222,7 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
     nearest_among<double>(one_by_one<double>(form, rounded), rays, in, answers);
 }
 
-/// Every ray against its candidates.
+/// Tests every ray against its candidates.
 template <class S, class Kernel>
 void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool at_once,
                      Answers& answers) {
@@ -233,15 +237,15 @@ void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
     });
 }
 
-/// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
-/// it".
+/// The primitive whose surface is nearest to the point at t, in double precision. A field does not say which primitive
+/// was hit.
 std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Solid<double>> solids) {
     const Vec<double> p = intersect::sdf::along(ray, t);
     const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
     return static_cast<std::int32_t>(std::ranges::min_element(solids, {}, size) - solids.begin());
 }
 
-/// One chunk of rays against the field of all solids.
+/// Marches one chunk of rays through the field of all primitives.
 template <class S, class Kernel>
 void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, const FormatInputs& in,
               Answers& answers) {
@@ -265,7 +269,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const std::size_t n = rays.size();
     const bool marches = !is_solid(form.shape), takes_many = !intersect::doors::behind(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
-    // Packs keep no records of the marches in their lanes.
+    // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
                                                   ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
                                                   : intersect::simd::packed_kernels(form);

@@ -1,4 +1,4 @@
-// What the forms answer to the rays of a band.
+// Answers of a form to the rays of a band.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,19 @@
 
 namespace lostbits::measure::answer {
 
-/// The answers of one form in one format to a band: the nearest hit over all solids, found in the format.
+/// Answers of one form in one format to a band: the nearest hit over all primitives, found in the format.
 struct Answers {
     std::vector<double> t;
     std::vector<std::uint8_t> hit;
     std::vector<std::int32_t>
-        object;  ///< −1 where there is no hit; of a field, the solid whose surface is nearest to the answer
-    /// Of each pair of the inputs' `candidates`, whether the form claims a hit; empty where there are none.
+        object;  ///< −1 where there is no hit; in a field, the primitive whose surface is nearest to the answer
+    /// For each pair of the inputs' `candidates`, 1 where the form claims a hit; empty where there are no candidates.
     std::vector<std::uint8_t> claimed = {};
-    std::vector<intersect::MarchRecord> march = {};  ///< of the forms that march, for every ray; empty for the others
+    std::vector<intersect::MarchRecord> march = {};  ///< one for every ray of a form that marches; else empty
 };
 
-/// Evaluates a row of the table. A hit at NaN never beats another hit; alone it stays, for the outcome to show.
+/// Evaluates a row of the table. A hit at NaN never replaces another hit. It stays if it is the only one, so that the
+/// outcome shows it.
 Answers evaluate(const intersect::table::Intersector& form, const truth::FormatInputs& inputs);
 
 }  // namespace lostbits::measure::answer

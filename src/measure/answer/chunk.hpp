@@ -1,4 +1,4 @@
-// Rays in pieces that a kernel takes, with room for its answers.
+// Rays in pieces of the size that a kernel takes, with buffers for its answers.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace lostbits::measure::answer {
 
-/// Some of the rays that lie in eight columns, of which the last two, ends and beginnings, may be empty.
+/// Some of the rays stored in eight columns. The last two, ends and beginnings, may be empty.
 template <class S, class Columns>
 intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
     const auto part = [&](std::size_t k) {
@@ -30,7 +30,7 @@ intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, st
     return {part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7), open};
 }
 
-/// Room for the answers of a kernel.
+/// Buffers for the answers of a kernel.
 template <class S>
 struct AnswerRoom {
     std::vector<S> t, near, far;
@@ -44,7 +44,7 @@ struct AnswerRoom {
     [[nodiscard]] intersect::table::HitBatch<S> hits() { return {t, near, far, hit}; }
 };
 
-/// The numbers of some rays as a kernel takes them, without their ranges, and room for its answers.
+/// Numbers of some rays in the layout that a kernel takes, without their ranges, and buffers for its answers.
 template <class S>
 struct KernelRoom : AnswerRoom<S> {
     std::array<std::vector<S>, 8> columns;
@@ -63,8 +63,8 @@ struct KernelRoom : AnswerRoom<S> {
     [[nodiscard]] intersect::table::RayBatch<S> rays() const { return rays(0, this->hit.size()); }
 };
 
-/// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
-/// their answers.
+/// Pieces of a block of rays in the layout that a kernel takes, with buffers for its answers. Their columns stay in the
+/// second-level cache.
 template <class S>
 class RayChunk {
 public:
@@ -77,7 +77,7 @@ public:
           nearest_(room_.hit.size()),
           objects_(room_.hit.size()) {}
 
-    /// Rays begin to begin + `most`, or to the last.
+    /// Takes the rays from `begin` to `begin + most`, or to the last one.
     void move_to(std::size_t begin) {
         begin_ = begin;
         count_ = std::min(most, rays_.size() - begin);
@@ -106,7 +106,7 @@ public:
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return room_.hits(i, end); }
 
-    /// Takes the hits with this solid where they come first.
+    /// Keeps the hits with this primitive that come first.
     void keep_nearest(std::size_t solid) {
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
                                                   .t = room_.t.data(),
@@ -115,7 +115,7 @@ public:
                                                   .objects = objects_.data(),
                                                   .object = static_cast<std::int32_t>(solid)});
     }
-    /// What came first, of every ray.
+    /// Writes the nearest hit of every ray.
     void put(Answers& answers) const {
         const std::int32_t* const objects = objects_.data();
         const S* const nearest = nearest_.data();
@@ -143,13 +143,13 @@ private:
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
     AnswerRoom<S> room_;
-    std::array<std::vector<S>, 8> columns_;  ///< where the kernels take another type than the block has
+    std::array<std::vector<S>, 8> columns_;  ///< used where the kernels take another type than the block has
     std::array<std::span<const S>, 8> batch_;
     std::vector<S> nearest_;
     std::vector<std::int32_t> objects_;
 };
 
-/// Takes a hit of ray p where it comes before what the ray has met so far.
+/// Keeps a hit of ray p if it comes before the nearest hit so far.
 template <class S>
 inline void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
     const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
@@ -160,8 +160,8 @@ inline void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answe
     answers.object[p] = object;
 }
 
-/// Rays, each with its candidates, as columns of pairs in the order of the solids, so that a solid meets its rays at
-/// once.
+/// Pairs of rays and their candidates, as columns in the order of the primitives, so that all rays of a primitive are
+/// tested at once.
 template <class S>
 class PairColumns {
 public:
@@ -181,7 +181,7 @@ public:
         room_.emplace(pairs_.size());
     }
 
-    /// The kernel meets each solid by itself.
+    /// Calls the kernel once for each primitive.
     template <class Kernel>
     void ask_one_by_one(const Kernel& kernel) {
         for (std::size_t k = 0, end = 0; k < pairs_.size(); k = end) {
@@ -190,7 +190,8 @@ public:
             kernel(batch(k, end), intersect::Target<S>(solid(k)), room_->hits(k, end));
         }
     }
-    /// The kernel is from outside, where a call may cost a message to another process: it meets all of a shape at once.
+    /// Calls the kernel once for all primitives of a shape. For external kernels, where a call may cost a message to
+    /// another process.
     template <class Kernel>
     void ask_at_once(const Kernel& kernel) {
         std::vector<Solid<S>> own;

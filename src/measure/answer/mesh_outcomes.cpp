@@ -12,7 +12,7 @@ using truth::Truth;
 
 namespace {
 
-/// The solids of a ray, as the mesh knows them.
+/// Primitives of one ray, by their triangles of the mesh.
 class RayAtMesh {
 public:
     RayAtMesh(const BandAnswers& of, std::size_t ray)
@@ -41,7 +41,7 @@ private:
     [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
         return in_mesh(a) && in_mesh(b) && mesh_.share_a_vertex(face(a), face(b));
     }
-    /// Whether the form claims any of the candidates of which `wanted(solid)`.
+    /// True if the form claims a candidate for which `wanted(solid)` holds.
     template <class Wanted>
     [[nodiscard]] bool claims(const Wanted& wanted) const {
         const culling::CandidateLists& candidates = *of_.inputs.candidates;
@@ -65,7 +65,8 @@ private:
         };
         return claims(of_one_crossing) && counts_otherwise();
     }
-    /// Whether the ray truly meets `met`, and before it a triangle that the form claims too and that is no neighbour.
+    /// True if the ray truly meets `met` and, before it, a triangle that the form claims too and that is no neighbour
+    /// of it.
     [[nodiscard]] bool passes_a_nearer(std::int32_t met) const {
         const Truth there = truth_at(met);
         return there.is_hit() && claims([&](std::int32_t s) {
@@ -74,8 +75,8 @@ private:
                    return here.is_hit() && compare(here.t, there.t) < 0;
                });
     }
-    /// Whether one of the two numbers is odd: of triangles of the mesh that the form claims, and of those that the ray
-    /// truly crosses, of which several at one t count once.
+    /// Compares two counts: the triangles of the mesh that the form claims, and those that the ray truly crosses, where
+    /// several at one t count once. True if one count is odd and the other even.
     [[nodiscard]] bool counts_otherwise() const {
         const culling::CandidateLists& candidates = *of_.inputs.candidates;
         std::size_t claimed = 0;

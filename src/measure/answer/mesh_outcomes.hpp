@@ -1,5 +1,5 @@
-// Which of several primitives a ray meets; and what only meshes have: crossings that a form does not see, sees twice,
-// or puts in the wrong order.
+// Outcomes at several primitives: hits of another primitive than the true one, and the errors that only meshes have
+// (crossings that a form does not see, sees twice, or puts in the wrong order).
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::answer {
 
-/// What a form in a format answered about a band, by a convention.
+/// Answers of a form in a format to a band, judged by a convention.
 struct BandAnswers {
     const Answers& answers;
     const truth::FormatInputs& inputs;
@@ -19,25 +19,31 @@ struct BandAnswers {
     intersect::Convention convention;
 };
 
-/// Takes hits of other primitives than the truth names apart: where the ray meets them at the same t, whatever their
-/// kinds, they are agreed hits, for all that are met first own the hit.
-/// And the outcomes of rays at meshes. Neighbours are triangles that share a vertex; a form claims a triangle where it
-/// says, asked about that one alone, that the ray hits it. Answers of a file do not say what else is claimed: of them
-/// only wrong neighbours are told apart.
+/// Refines the outcomes of a band that has several primitives.
 ///
-/// `crack`: the ray truly meets a triangle first, the form claims neither that one nor a neighbour, though the mesh
-/// goes on across all of its edges, and of the crossings that the ray truly has it claims an odd number less or more:
-/// it leaves a closed mesh that it never entered, or the other way round. A form that misses both walls of a mesh,
-/// because it sees its outline elsewhere or the triangles not at all, has a false miss; so has one at the border of a
-/// mesh. `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, which the ray does not meet
-/// at that t.
-/// `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the mesh
-/// once: it misses one of the two, or meets both at one t; again its crossings are an odd number more or less. At a
-/// fold the ray meets both, one after the other, and nothing is counted twice.
-/// `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
-/// that the ray truly meets before: each is decided rightly, but the computed t of the nearer is not the smaller.
+/// A hit of another primitive than the true one is an agreed hit where the ray truly meets that primitive at the same
+/// t, whatever the shapes: all primitives that are met first own the hit.
+///
+/// The rest concerns meshes. Neighbours are triangles that share a vertex. A form claims a triangle if it answers a hit
+/// when that triangle alone is tested. Answers read from a file do not say what else is claimed, so only
+/// `wrong_neighbour` is found there.
+///
+/// - `crack`: the ray truly meets a triangle first, and the form claims neither that one nor a neighbour. The mesh goes
+///   on across all edges of the triangle. The number of triangles that the form claims and the number of true crossings
+///   differ by an odd number: the form leaves a closed mesh that it never entered, or the other way round. A form that
+///   misses both walls of a mesh, because its outline is shifted or the triangles are not seen at all, has a false
+///   miss. So has one that misses at the border of a mesh.
+/// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
+///   that t.
+/// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the
+///   mesh once: it truly misses one of the two, or meets both at one t. Again the two counts differ by an odd number.
+///   At a fold the ray meets both, one after the other, and nothing is counted twice.
+/// - `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
+///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
+///   smaller.
 void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
-/// The latter of one ray that truly hits the solid `truly` first; `before`: as if solids had no edges in common.
+/// Outcome at a mesh of one ray that truly hits primitive `truly` first. `before` is its outcome if primitives had no
+/// edges in common.
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);
 
 }  // namespace lostbits::measure::answer

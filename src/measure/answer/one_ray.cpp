@@ -16,7 +16,8 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
                          std::to_string(scene.height - 1));
     }
     if (scene.inputs == scene::file::Inputs::shared) {
-        // Alone: beside the other rays of its row, each would be tested against many more spheres.
+        // The ray is tested alone: together with the other rays of its row it would be tested against many more
+        // spheres.
         const scene::rays::RayBlock row = scene::rays::make_shared_rays(scene, y, y + 1);
         const auto place = static_cast<std::size_t>(x);
         scene::rays::RayBlock one = scene::rays::group_of(row[place]).rays;

@@ -1,4 +1,4 @@
-// What became of a ray: classified before any error is measured.
+// Outcome of a ray: decisions are classified before any error is measured.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +11,10 @@
 
 namespace lostbits::measure::answer {
 
-/// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN; `wrong_object` is a hit
-/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit`, `wrong_neighbour`
-/// and `out_of_order` are of meshes alone, and `wrong_neighbour` is no error. Files number outcomes: new ones stand
-/// last.
+/// Error metrics exist for `agree_hit` only. `not_a_number`: the form claims a hit at NaN. `wrong_object`: form and
+/// truth both hit, but the form hits another primitive than the ray meets first. `crack`, `double_hit`,
+/// `wrong_neighbour` and `out_of_order` occur at meshes only; `wrong_neighbour` is not an error. Files store outcomes
+/// as numbers, so new ones are appended.
 enum class Outcome : std::uint8_t {
     agree_hit,
     agree_miss,
@@ -32,13 +32,13 @@ enum class Outcome : std::uint8_t {
 inline constexpr std::array<std::string_view, 11> outcome_names{
     "agree_hit",    "agree_miss", "false_hit",  "false_miss",      "not_a_number", "unresolved",
     "wrong_object", "crack",      "double_hit", "wrong_neighbour", "out_of_order"};
-/// So many of them, from the first, are there where a ray has one solid to hit.
+/// Number of outcomes, counted from the first, that are possible where a ray has a single primitive.
 inline constexpr std::size_t outcomes_of_one_solid = 6;
-/// So many where it has several that are not a mesh.
+/// Number of outcomes that are possible where a ray has several primitives that are not a mesh.
 inline constexpr std::size_t outcomes_without_mesh = 7;
 
-/// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
-/// of equally frequent ones.
+/// The ways in which a decision can be wrong. A summary names the most frequent kind, and the first in this list among
+/// equally frequent ones.
 inline constexpr std::array wrong_decisions{Outcome::not_a_number, Outcome::false_miss, Outcome::false_hit,
                                             Outcome::wrong_object, Outcome::crack,      Outcome::double_hit,
                                             Outcome::out_of_order};
@@ -46,7 +46,7 @@ inline constexpr bool is_wrong(Outcome outcome) {
     return std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end();
 }
 
-/// Of a ray with one solid; where there are several, a hit of another one than the true one is a `wrong_object`.
+/// Outcome of a ray with one primitive. With several, a hit of another primitive than the true one is a `wrong_object`.
 inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     if (truth == truth::Truth::Decision::unresolved) return Outcome::unresolved;
     if (hit && std::isnan(t)) return Outcome::not_a_number;
@@ -54,10 +54,10 @@ inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     return hit ? Outcome::false_hit : Outcome::agree_miss;
 }
 
-/// `classify` of every case of the three things that it depends on, so that no ray has to wait for a branch.
+/// Table of `classify` for all cases of its three arguments: looking up an outcome needs no branch.
 class OutcomeTable {
 public:
-    /// Where a form does not tell t, NaN is as good as any.
+    /// Pass `false` for a form that answers no t: its NaN are then not an outcome.
     explicit OutcomeTable(bool tells_t = true) {
         using Decision = truth::Truth::Decision;
         for (const Decision decision : {Decision::miss, Decision::hit, Decision::unresolved})

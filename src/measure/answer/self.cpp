@@ -12,7 +12,7 @@ using truth::Certified;
 
 namespace {
 
-/// True when this precision has the last word; `answer` is then set where there is one.
+/// True when this precision settles the question; `answer` is then set where there is one.
 template <class E>
 bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
     if (hit.hit.is_unknown()) return false;
@@ -46,7 +46,8 @@ const Intersector& form_of(const Call& call) {
     return *std::ranges::find(intersect::table::catalogue(), call.form, [](const auto& f) { return f.info->name; });
 }
 
-/// `numbers` are those of the ray and the solid; `end` is where the ray ends, if it does. `ask(form, ray, target)`
+/// Answers a call. `numbers` are those of the ray and the primitive; `end` is the end of the ray, if it has one. Calls
+/// `ask(form, ray, target)`.
 template <class E, class Ask>
 std::optional<E> answered(const Call& call, std::span<const E> numbers, const std::optional<E>& end, const Ask& ask) {
     const Intersector& form = form_of(call);
@@ -65,10 +66,10 @@ std::optional<E> answered(const Call& call, std::span<const E> numbers, const st
     return asked.is_bounded() ? std::optional(asked) : std::nullopt;
 }
 
-/// Of the arguments those of the ray and the solid, behind which the end of the ray may stand.
+/// Number of arguments that describe the ray and the primitive; the end of the ray may follow them.
 std::size_t numbers_of(const Call& call) { return 6 + Solid<double>(form_of(call).shape).used().size(); }
 
-/// Exactly, as a sum of doubles.
+/// Writes x exactly as a sum of doubles.
 Interval in_parts(Real2048 x) {
     Interval sum(0);
     while (mpfr_regular_p(x.backend().data()) != 0) {
@@ -91,7 +92,7 @@ std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arg
 }
 
 std::optional<Real2048> without_rounding(const Call& call, std::span<const Real2048> arguments) {
-    // A decision takes products of four numbers.
+    // 10240 bits: a decision takes products of four numbers of 2048 bits.
     const Interval::Precision precision(10240);
     std::vector<Interval> lifted;
     for (const Real2048& x : arguments) lifted.push_back(in_parts(x));

@@ -1,5 +1,5 @@
-// What a formula says without rounding, as opposed to what its arithmetic makes of it: of a form, and of a call on a
-// tape.
+// Values of a formula without rounding, to tell the error of the formula from that of its arithmetic: for a form, and
+// for a call on a tape.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,16 @@
 
 namespace lostbits::measure::answer {
 
-/// The form evaluated exactly on inputs that are exact: by enclosures of rising precision up to `limit_bits`. Nothing
-/// where the form misses, where its exact value is undefined (0/0 on a tangent), or where the limit is reached, which
-/// happens only where an irrational intermediate has to be compared with the value it equals.
+/// Evaluates the form exactly on inputs that are exact, by enclosures of rising precision up to `limit_bits`. Returns
+/// nothing if the form misses, if its exact value is undefined (0/0 on a tangent), or if the limit is reached. The last
+/// happens only where an irrational intermediate has to be compared with a value that it equals.
 std::optional<truth::Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
                                                  const intersect::Target<double>& target, int limit_bits = 4096);
 
-/// Of arguments that are enclosed; nothing where that leaves the decision or the number open. A ball of 2^880 or more
-/// is infinite, as the end of a ray may be.
+/// Evaluates a call on enclosed arguments. Returns nothing if they leave the decision or the number open. A ball of
+/// 2^880 or more is infinite, as the end of a ray may be.
 std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arguments);
-/// To 2048 bits.
+/// Evaluates a call to 2048 bits.
 std::optional<BasicReal<2048>> without_rounding(const Call& call, std::span<const BasicReal<2048>> arguments);
 
 }  // namespace lostbits::measure::answer

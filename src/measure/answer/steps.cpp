@@ -55,7 +55,8 @@ Affine<Real> exactly(const Affine<T>& m) {
     return {{exactly(m.rows[0]), exactly(m.rows[1]), exactly(m.rows[2])}, exactly(m.shift)};
 }
 
-/// 256 bits as a value: what they leave is less than any of the bounds that they are made of.
+/// t as a certified value. A Real has 256 bits: what the value leaves out is less than any of the bounds that go into
+/// it.
 std::optional<Certified> known(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
@@ -68,7 +69,7 @@ std::optional<Certified> known(const Real& t) {
 
 Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
 
-/// One ray through the steps of a row, in T.
+/// Takes one ray through the steps of a row, in T.
 template <class T>
 class Walk {
 public:
@@ -117,7 +118,7 @@ private:
         return there;
     }
 
-    /// t of the world where the form and the way back are exact.
+    /// t in the world where the form and the way back are exact.
     std::optional<Certified> met(const ObjectRay<Real>& in) const {
         Solid<Real> object = transformed(plain_, [](double x) { return Real(x); });
         if (in.scale != 1) object = scaled(object, in.scale);
@@ -127,7 +128,7 @@ private:
         return known(made_.space->real.back(maps_, exact_world_, in, value_of(truth.t)));
     }
 
-    /// What the form answers; nothing where it misses.
+    /// Answer of the form; nothing if it misses.
     std::optional<T> asked(const ObjectRay<T>& in) const {
         Solid<T> object = lift_solid<T>(plain_);
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
@@ -181,7 +182,7 @@ Steps steps_of(const Intersector& row, const Format& format, const Ray<double>& 
 
 namespace {
 
-/// A ray and the solid that it is held against, in numbers of the format.
+/// A ray and the primitive that it is tested against, in numbers of the format.
 struct Place {
     Ray<double> ray;
     Solid<double> solid;
@@ -236,7 +237,7 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
     }
 }
 
-/// Tests of boxes grow with the end of the ray: k is doubled until the row hits, and then halved in between.
+/// A box test that hits still hits with a later end of the ray. So k is doubled until the row hits, and then bisected.
 double end_margin(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
                   const Range<double>& range) {
     const auto t = ask_one(row, format, ray, solid, range.tmax);

@@ -18,38 +18,39 @@ Interval least(const Interval& a, const Interval& b) {
 Interval hull(const Interval& a, const Interval& b) { return select(Tri::unknown, a, b); }
 Interval from_zero(const Interval& a) { return hull(Interval(0), a); }
 Interval mean(const Interval& a, const Interval& b) { return (a + b) / Interval(2); }
-/// +1 or −1 where all numbers are on that side of zero, else 0.
+/// +1 or −1 if all numbers are on that side of zero, else 0.
 int sign_of(const Interval& x) { return mpfr_sgn(x.lower()) > 0 ? 1 : mpfr_sgn(x.upper()) < 0 ? -1 : 0; }
 
 double largest_of(const FloatFormat& f) { return std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); }
 
-/// To the nearest number of the format, in one step.
+/// Rounds to the nearest number of the format, in one step.
 double nearest(mpfr_srcptr x, const FloatFormat& f) {
     const double near = mpfr_get_d(x, MPFR_RNDN);
     return f == binary64 ? near : rounding::to_format(near, mpfr_cmp_d(x, near), f);
 }
 
-/// ⌊log2⌋ of the largest size.
+/// ⌊log2⌋ of the largest magnitude.
 long exponent_of(const Interval& x) {
     const double most = most_of(x);
     return most > 0 ? std::ilogb(most) : -100000;
 }
 
-/// Of the largest of these numbers, either way: 2^(e − p) for those below 2^(e + 1), and at least 2^(emin − p), 2^-150
-/// in binary32. (A double cannot hold half of its own least number; an interval can.)
+/// Half of the last place of the largest magnitude in x, with both signs: 2^(e − p) below 2^(e + 1), and at least
+/// 2^(emin − p), which is 2^-150 in binary32. (A double cannot hold half of its own least number; an interval can.)
 Interval half_a_place(const Interval& x, const FloatFormat& f) {
     const double place = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent_of(x))));
     return Interval::between(-place, place) / Interval(2);
 }
 
-/// A number times 2, 4, ... is one of the format.
+/// True if x is 1, 2, 4, 8, …: multiplying a number of the format by it is exact.
 bool is_scale(const Interval& x) {
     int exponent = 0;
     return x.is_exact() && std::frexp(least_of(x), &exponent) == 0.5 && exponent > 0 && least_of(x) == most_of(x);
 }
 
-/// The difference of numbers of a format within twice each other is one (Sterbenz), and so is every sum below twice
-/// the least normal number: a multiple of the least number.
+/// True if the sum is exact. The difference of two numbers of a format that are within a factor 2 of each other is a
+/// number of the format (Sterbenz). So is every sum below twice the least normal number: it is a multiple of the least
+/// number.
 bool is_exact_sum(const Interval& a, const Interval& b, const FloatFormat& f) {
     if (exponent_of(a + b) <= f.emin) return true;
     const int sign = sign_of(a);
@@ -58,8 +59,9 @@ bool is_exact_sum(const Interval& a, const Interval& b, const FloatFormat& f) {
     return (x <= two * y).is_yes() && (y <= two * x).is_yes();
 }
 
-/// What an operation whose results on the computed operands are in `raw` rounds: rounding is monotone, so the ends of
-/// `raw` are rounded. Where they go to one number c, it rounds c − raw; else half of the last place of the largest.
+/// Sets the computed value and the rounding error of an operation whose results on the computed operands lie in `raw`.
+/// Rounding is monotone, so the ends of `raw` are rounded. If both go to one number c, the error is c − raw; otherwise
+/// it is at most half of the last place of the largest magnitude.
 void put_rounded(EnclosedNode& r, const Interval& raw, const FloatFormat& format, bool is_exact = false) {
     r.known = r.exact.is_bounded() && raw.is_bounded();
     if (!r.known) return;
@@ -128,7 +130,8 @@ EnclosedNode size(const EnclosedNode& a) {
     return r;
 }
 
-/// Where the sign is open it may be one with rounding and the other without: |a^| + |a| apart.
+/// |a| with the sign of b. If the sign is open, it may differ with and without rounding; the two values are then |a^| +
+/// |a| apart.
 EnclosedNode signed_as(const EnclosedNode& a, const EnclosedNode& b) {
     EnclosedNode r = size(a);
     const int sign = sign_of(b.exact);
@@ -148,7 +151,7 @@ EnclosedNode signed_as(const EnclosedNode& a, const EnclosedNode& b) {
     return r;
 }
 
-/// The next number of the format, which lies a last place away at most.
+/// The next number of the format, which is at most one last place away.
 EnclosedNode neighbour(const EnclosedNode& a, int sign, const FloatFormat& format) {
     EnclosedNode r{.known = true, .exact = a.exact};
     const double gap = std::ldexp(1.0, static_cast<int>(ulp_exponent(format, exponent_of(a.computed))));
@@ -185,12 +188,13 @@ EnclosedNode negative(const EnclosedNode& a) {
     return r;
 }
 
-/// Its quotients are as those of the smaller: of −a and −b.
+/// −min(−a, −b): the quotients are those of the smaller of −a and −b.
 EnclosedNode larger_of(const EnclosedNode& a, const EnclosedNode& b) {
     return negative(smaller_of(negative(a), negative(b)));
 }
 
-/// Where the sides may be chosen apart: a^ − b = (a^ − a) + (a − b), and b^ − a = (b^ − b) + (b − a).
+/// Chooses a or b by a decision. If the decision may differ with and without rounding, then a^ − b = (a^ − a) + (a −
+/// b), and b^ − a = (b^ − b) + (b − a).
 EnclosedNode chosen(const EnclosedNode& mask, const EnclosedNode& a, const EnclosedNode& b) {
     const Tri exact = mask.exact_decision, computed = mask.computed_decision;
     EnclosedNode r;
@@ -302,7 +306,7 @@ EnclosedNode enclose(const Enclosing& of) {
         case TapeOp::either: return decided(a, b, false);
         case TapeOp::opposite: return opposite(a);
         case TapeOp::any: return a;
-        default: return {};  // a call says nothing; inputs and the rest are above
+        default: return {};  // a call has no enclosure; inputs and the rest are handled above
     }
 }
 

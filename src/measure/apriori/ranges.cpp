@@ -30,7 +30,7 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(solid));
     if (!exact) return {};
     SeenErrors seen{.hits = 1};
-    if (part.bound.misses) seen.share = HUGE_VAL;  // it says that there is no hit
+    if (part.bound.misses) seen.share = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return seen;
     seen.bounded_hits = 1;
     seen.error = std::fabs(truth::scaled_difference(truth::exactly(tape[tape.outputs.t].value), *exact, 0));
@@ -45,11 +45,11 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
 }
 
 constexpr std::size_t most_solids = 64;
-/// So many rays are drawn in each of so many boxes.
+/// Rays for checking the bounds: `drawn_rays` in each of `drawn_boxes` boxes.
 constexpr std::size_t drawn_boxes = 64;
 constexpr int drawn_rays = 64;
 
-/// Rays as the form is given them, with their solids.
+/// Rays and primitives as the form receives them.
 class GivenRays {
 public:
     explicit GivenRays(const RangesRequest& request) : info_(*request.form->info) {
@@ -61,7 +61,7 @@ public:
     }
     [[nodiscard]] std::size_t solids() const { return inputs_.front().solids.size(); }
     [[nodiscard]] Solid<double> solid(std::size_t s) const { return inputs_.front().solids[s]; }
-    /// All of them at one solid of their group.
+    /// Inputs of all rays, each with primitive `solid` of its group.
     [[nodiscard]] std::vector<std::vector<double>> at(std::size_t solid) const {
         std::vector<std::vector<double>> all;
         for (std::size_t b = 0; b < bands_.size(); ++b) {
@@ -108,14 +108,14 @@ bool holds(const InputBox& box, const std::vector<double>& ray) {
     return true;
 }
 
-/// In ulps of the smallest |t| of a box.
+/// Error bound in ulps of the smallest |t| of a box.
 double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     if (!(bound.error < HUGE_VAL)) return HUGE_VAL;
     const long exponent = bound.least > 0 ? std::ilogb(bound.least) : f.emin;
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
-/// The smallest number that is at least those of this share of the whole, by weight.
+/// Smallest x such that the numbers up to x have at least this share of the weight.
 double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
     std::ranges::sort(weighted);
     double all = 0, so_far = 0;
@@ -189,7 +189,7 @@ std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, 
         for (int k = 0; k < each; ++k) {
             std::vector<double> inputs;
             for (const auto& [low, high] : part->box) {
-                // Rounding may lead out of the box, but not out of the ranges, whose ends are numbers of the format.
+                // Rounding may lead out of the box, but not out of the ranges: their ends are numbers of the format.
                 const double x = low == high ? low : random.between(low, high);
                 inputs.push_back(rounding::to_format(x, 0, asking.format.parameters));
             }
@@ -204,8 +204,8 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     const std::size_t solids = given.solids();
     if (solids > most_solids)
         throw InputError(
-            fmt::format("{}: it has {} solids, and ranges are bounded for each by itself, of {} at most; "
-                        "write the solids in question into a scene of their own",
+            fmt::format("{}: it has {} primitives. Bounds over ranges are computed for each primitive separately, "
+                        "for at most {} of them; write the primitives that you need into a scene of their own",
                         request.id(), solids, most_solids));
     const Solid<double> first = given.solid(0);
     RangesBound r;

@@ -12,17 +12,19 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-/// As many bits as the products of two doubles have, and some more: the width of the enclosures is that of the box.
+/// 128 bits: the product of two doubles has 106. The width of an enclosure then comes from the box, not from the
+/// precision.
 constexpr long bits = 128;
 
-/// What is in both.
+/// Intersection of a and b.
 Interval common(const Interval& a, const Interval& b) {
     return between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b, mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
 }
 
-/// All nodes over a box. Of a formula in which an input occurs often, intervals alone are wide. So with every node goes
-/// its value m at the middle of the box and slopes s_k, for which v = m + Σ s_k (x_k − middle of x_k) without rounding,
-/// by the same quotients as errors have, between v and m; and Δ, all that rounding has put it off by.
+/// Enclosures of all nodes over a box. Intervals alone are wide for a formula in which an input occurs often. So every
+/// node also has its value m at the middle of the box and slopes s_k, with v = m + Σ s_k (x_k − middle of x_k) without
+/// rounding. The slopes come from the same quotients as errors do, taken between v and m. Δ is the whole rounding error
+/// of the node.
 class Enclosed {
 public:
     Enclosed(const Tape& tape, const std::vector<bool>& needed, const InputBox& box)
@@ -101,7 +103,7 @@ private:
         if (off.is_bounded()) node.computed = common(node.computed, node.exact + off);
     }
 
-    /// None where the node jumps, or nothing is known at the middle or of an operand that matters.
+    /// Leaves the slopes empty if the node jumps, or if the middle or an operand that matters is unknown.
     void put_slopes(NodeId i) {
         const EnclosedNode& quotients = exact_[place(i)];
         if (!quotients.known || !middle_[place(i)].known || quotients.jumps) return;
@@ -119,14 +121,15 @@ private:
 
     const Tape& tape_;
     const InputBox& box_;
-    std::vector<std::size_t> free_;  ///< inputs that are not one number
+    std::vector<std::size_t> free_;  ///< inputs whose range is not a single number
 
-    std::vector<EnclosedNode> all_, exact_, middle_;  ///< without rounding, over the box and at its middle
+    std::vector<EnclosedNode> all_, exact_, middle_;  ///< `exact_` and `middle_`: without rounding, over the box and at
+                                                      ///< its middle
     std::vector<std::vector<Interval>> slopes_;
     std::vector<Interval> error_;
 };
 
-/// A_i of every node that t depends on; nothing where that is through one of which nothing is known.
+/// A_i of every node that t depends on; nothing if t depends on a node that is unknown.
 std::optional<std::vector<Interval>> slopes(const Tape& tape, const std::vector<EnclosedNode>& all) {
     std::vector<Interval> slope(all.size());
     slope[static_cast<std::size_t>(tape.outputs.t)] = Interval(1);
@@ -155,7 +158,7 @@ std::vector<bool> nodes_of_answer(const Tape& tape) {
     return needed;
 }
 
-/// The number whose range is widest by its range in the whole; −1 where no range can be halved.
+/// The number whose range is widest relative to its whole range; −1 if no range can be halved.
 int widest(const InputBox& box, const InputBox& whole) {
     int found = -1;
     double most = 0;
@@ -169,7 +172,7 @@ int widest(const InputBox& box, const InputBox& whole) {
     return found;
 }
 
-/// What a box that is not known counts as in bits, more than any bound is too wide by.
+/// Score in bits of a box whose bound is unknown. No known bound is too wide by so much.
 constexpr double unknown_bits = 64;
 
 }  // namespace
@@ -219,7 +222,8 @@ Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes
     }
 }
 
-/// By the volume times the bits that the bound is above the smallest one of all boxes.
+/// Boxes with the largest scores. The score is the volume times the bits by which the bound exceeds the smallest bound
+/// of all boxes.
 std::vector<std::size_t> Subdivided::worth_halving(std::size_t at_most) const {
     double best = HUGE_VAL;
     for (const BoundedPart& p : parts_)

@@ -1,13 +1,16 @@
-// How far rounding can put the t of a form, for all inputs of a box at once.
+// Bounds the rounding error of a form's t for all inputs of a box at once.
 //
-// Let v be what a node of the tape is without rounding and v^ what the format makes of it. For every operation
-//     v^ − v = Σ q_k (v^_k − v_k) + e
-// over its operands, exactly, where q_k are difference quotients between exact and computed operands (of a product
-// ab: (b + b^)/2 and (a + a^)/2; of a/b: (1/b + 1/b^)/2 and −(a + a^)/(2 b b^); of a root: 1/(√a + √a^)) and e is what
-// the operation rounds on its computed operands. So t^ − t = Σ A_i e_i, A_i the sum of the products of the quotients on
-// all ways from node i to t. Nothing is left over, so there is no second order to bound: enclosures of all v and v^
-// over the box give enclosures of q, A and e, and of t^ − t. The first order of it is what FPTaylor (Solovyev et al.,
-// TOPLAS 2018) sums up, and Daisy's (Darulova and Kuncak, POPL 2014) propagated errors are |q| in the place of q.
+// Let v be the value of a node of the tape without rounding and v^ the value that the format computes. For every
+// operation
+//
+//   v^ − v = Σ q_k (v^_k − v_k) + e
+//
+// holds exactly, summed over its operands. The q_k are difference quotients between exact and computed operands: for a
+// product ab, (b + b^)/2 and (a + a^)/2; for a/b, (1/b + 1/b^)/2 and −(a + a^)/(2 b b^); for a root, 1/(√a + √a^). e is
+// the rounding error of the operation on its computed operands. So t^ − t = Σ A_i e_i, where A_i sums the products of
+// the quotients on all paths from node i to t. The sum has no second-order remainder to bound: enclosures of all v and
+// v^ over the box give enclosures of q, A and e, and of t^ − t. FPTaylor (Solovyev et al., TOPLAS 2018) sums up its
+// first order. Daisy's (Darulova and Kuncak, POPL 2014) propagated errors have |q| in place of q.
 #pragma once
 
 #include <span>
@@ -19,57 +22,57 @@
 
 namespace lostbits::measure::apriori {
 
-/// Of one number of the inputs: low ≤ x ≤ high.
+/// Range of one input: low ≤ x ≤ high.
 struct Between {
     double low, high;
     [[nodiscard]] bool is_point() const { return low == high; }
 };
-/// Of every number, in the order of a tape's inputs.
+/// Ranges of all inputs, in the order of a tape's inputs.
 using InputBox = std::vector<Between>;
 
-/// What is certain of every number of the format in a box.
+/// Bounds that hold for every number of the format in a box.
 struct BoxBound {
     bool misses = false;   ///< with or without rounding there is no hit
     bool decides = false;  ///< hit or miss is the same with and without rounding
-    /// At least |t^ − t|, t without rounding, wherever both hit, in units of t; infinity where nothing is known.
+    /// Upper bound of |t^ − t| wherever both hit, where t is without rounding, in units of t; infinite where unknown.
     double error = HUGE_VAL;
-    double least = 0;  ///< no |t| is below it
+    double least = 0;  ///< lower bound of |t|
 };
 
-/// The tape of a form that does the same operations to every ray (`tape::tape_of`), over one box after the other.
+/// Bounds a form that does the same operations for every ray (`tape::tape_of`), over any number of boxes.
 class TapeBound {
 public:
     explicit TapeBound(const Tape& tape);
 
     [[nodiscard]] BoxBound over(const InputBox& box) const;
-    /// What of the bound each node makes by itself: at least |A_i e_i|. They add up to at least the bound, which knows
-    /// where rounding errors that are the same for every input undo each other.
+    /// Contribution of each node by itself: an upper bound of |A_i e_i|. Their sum is at least the bound, which knows
+    /// where rounding errors that are the same for every input cancel.
     [[nodiscard]] std::vector<double> shares(const InputBox& box) const;
 
 private:
     const Tape& tape_;
-    std::vector<bool> needed_;  ///< for t or the decision
+    std::vector<bool> needed_;  ///< nodes that t or the decision depends on
 };
 
-/// A box, and its halves where it has been halved: at `middle` of number `axis`, which belongs to both.
+/// A box. If it has been halved, it is split at `middle` of number `axis`; the middle belongs to both halves.
 struct BoundedPart {
     InputBox box = {};
     BoxBound bound = {};
-    double share = 1;  ///< of the volume of the whole
-    int stale = 0;     ///< so often in a row halving has not made the bound smaller by 2 %
+    double share = 1;  ///< of the volume of the whole box
+    int stale = 0;     ///< number of halvings in a row that have not made the bound smaller by 2 %
     int axis = -1;
     double middle = 0;
-    std::size_t below = 0;  ///< its place, before that of the other half
+    std::size_t below = 0;  ///< index of the lower half; the upper half follows it
 
     [[nodiscard]] bool is_halved() const { return axis >= 0; }
 };
 
 class Subdivided {
 public:
-    /// In at most so many boxes, the same for any number of threads.
+    /// Divides `whole` into at most `boxes` boxes, the same ones for any number of threads.
     Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes, const intersect::process::StopToken& stop);
 
-    /// The box that holds these inputs, which are of the whole.
+    /// The box that holds these inputs, which lie in the whole box.
     [[nodiscard]] const BoundedPart& part_of(std::span<const double> inputs) const;
     /// The boxes that are not halved.
     [[nodiscard]] std::vector<const BoundedPart*> leaves() const;
@@ -79,7 +82,7 @@ private:
     void halve(std::span<const std::size_t> which, const TapeBound& bound, const intersect::process::StopToken& stop);
 
     std::vector<BoundedPart> parts_;
-    int free_ = 0;  ///< inputs that are not one number
+    int free_ = 0;  ///< number of inputs whose range is not a single number
 };
 
 }  // namespace lostbits::measure::apriori

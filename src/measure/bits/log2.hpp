@@ -12,11 +12,11 @@ struct NearOne {
     T k, m;
 };
 
-/// The bits of √½, cut to 32: where the numbers that are near 2^k begin.
+/// Bits of √½, cut to the first 32: significands from here up to √2 belong to one k.
 inline constexpr std::uint64_t bits_of_root_half = 0x3fe6'a09e'0000'0000, bits_of_one = 0x3ff0'0000'0000'0000,
                                bits_of_fraction = 0x000f'ffff'ffff'ffff, bits_of_two_52 = 0x4330'0000'0000'0000;
 
-/// What log2 does with the bits of a double. (kernels.hpp of measure/columns has the same for the lanes of a pack.)
+/// Operations of log2 on the bits of a double. (kernels.hpp of measure/columns has the same for the lanes of a pack.)
 struct ScalarBits {
     /// For a normal x > 0.
     static NearOne<double> near_one(double x) {
@@ -31,7 +31,7 @@ struct ScalarBits {
     }
 };
 
-/// log2 x for a normal number x > 0, off by less than 1.4 ulp of the result; of 2^k it is k.
+/// log2 x for a normal number x > 0, with an error below 1.4 ulp of the result; exactly k for 2^k.
 ///
 /// With f = m − 1 (exact) and s = f/(2 + f): ln m = 2 artanh s = f − g, g = f²/2 − s(f²/2 + R), R = s²·P(s²), where
 /// P is the polynomial of degree 6 through 2/3 + 2z/5 + 2z²/7 + … at the Chebyshev points of [0, 0.02944]; what it

@@ -11,7 +11,7 @@
 namespace lostbits::measure::blame {
 namespace {
 
-/// One tape over one exact arithmetic: forward for the exact values, backward for the adjoints.
+/// Walks one tape in one exact arithmetic: forward for the exact values, backward for the adjoints.
 template <class Exact>
 class Walk {
 public:
@@ -27,7 +27,7 @@ public:
     [[nodiscard]] bool failed() const { return failed_; }
     [[nodiscard]] Attribution take() { return std::move(found_); }
 
-    /// The form's t, where its decision stands without rounding too.
+    /// The form's t if its decision is the same without rounding, otherwise the decision.
     NodeId natural_subject() {
         const NodeId hit = tape_.outputs.hit;
         return of(hit).turned ? hit : tape_.outputs.t;
@@ -56,7 +56,7 @@ private:
         return decision.value_or(as_computed);
     }
 
-    /// Decides by exact values; where those leave it open, as the format did.
+    /// Decides by exact values, and as the format did if those leave the decision open.
     struct ExactJudge {
         Walk& walk;
         const TapeNode& n;
@@ -78,7 +78,7 @@ private:
         if (is_decision(n.op)) return decide(i);
         find_exact(i);
         if (n.op == TapeOp::input) {
-            e.exact = n.value;  // infinity too, which a ball holds no better than as a large number
+            e.exact = n.value;  // infinity too: a ball holds it only as a large number
             return;
         }
         e.exact = Exact::nearest(exact(i));
@@ -107,7 +107,7 @@ private:
         }
     }
 
-    /// A decision that is open even so is the call's own.
+    /// Takes the exact value of a call. If exact arguments leave its decision open, takes the computed result.
     void call(NodeId i) {
         const auto value = called<Exact>(tape_, i, [this](NodeId k) { return exact(k); });
         failed_ |= !value;
@@ -122,8 +122,8 @@ private:
         if (n.op == TapeOp::any && is && !was) found_.cut_short = true;
     }
 
-    /// The exact value of a choice is that of the side that exact values choose; where it is not the side that was
-    /// taken, what lies between the two is the choice's own error.
+    /// The exact value of a choice is that of the side that exact values choose. If another side was taken, the
+    /// choice's own error is the difference between the two sides.
     void choose(NodeId i) {
         const TapeNode& n = tape_[i];
         const NodeId taken = side_taken(tape_, i), meant = side_taken(n, ExactJudge{*this, n});
@@ -134,11 +134,11 @@ private:
             is_cut(taken) ? Exact::difference(n.value, exact(meant)) : Exact::nearest(exact(taken) - exact(meant));
     }
 
-    /// Whether a side that was taken by mistake has no exact value (the root of what is negative but for rounding):
-    /// then the whole error is the choice's, and none comes from that side.
+    /// True if a side that was taken by mistake has no exact value (such as the root of a number that is negative
+    /// without rounding). The whole error is then the choice's, and none comes from that side.
     bool is_cut(NodeId taken) { return !std::isfinite(of(taken).exact) && tape_[taken].op != TapeOp::input; }
 
-    /// |a| with the sign of b; of a zero or NaN the sign as computed.
+    /// |a| with the sign of b; for a zero or NaN, the sign as computed.
     void sign(NodeId i) {
         const auto [a, b, c] = tape_[i].operands;
         const double by = Exact::nearest(exact(b));
@@ -165,8 +165,8 @@ private:
                 case OperationKind::called:
                     return bits_off(i, of(i).carried ? Exact::round_to(exact(i), tape_.format_of(i)) : computed(i));
                 case OperationKind::given:
-                case OperationKind::exact:  // a rounded operand is off by half an ulp, which is no bit
-                case OperationKind::moved:  // what it adds, it adds on purpose
+                case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
+                case OperationKind::moved:  // its change is intended
                 case OperationKind::choice:
                 case OperationKind::comparison:
                 case OperationKind::logic: break;
@@ -188,7 +188,7 @@ private:
         e.adjoint = e.derivative = 1;
     }
 
-    /// Hands node i's adjoint on to its operands.
+    /// Passes node i's adjoint on to its operands.
     void backward(NodeId i) {
         const TapeNode& n = tape_[i];
         const OperationError& e = of(i);
@@ -247,13 +247,13 @@ private:
         found_.equals.erase(found_.equals.begin());
     }
 
-    /// (computed left − right) − (exact left − right) of a comparison.
+    /// (computed left − right) − (exact left − right) for a comparison.
     double apart(NodeId comparison) {
         const auto [a, b, c] = tape_[comparison].operands;
         return of(a).error - of(b).error;
     }
 
-    /// The first comparison, in the order of the formula, that made a decision other than exact values make it.
+    /// The first comparison, in the order of the formula, whose decision differs from the exact one.
     NodeId turned_comparison(NodeId decision) {
         while (decision != no_node && !is_comparison(tape_[decision].op)) {
             NodeId next = no_node;
@@ -265,7 +265,7 @@ private:
         return decision != no_node && of(decision).turned ? decision : no_node;
     }
 
-    /// The subject where it is not finite; of a comparison, the side that is not finite and would be without
+    /// The subject if it is not finite. For a comparison, the side that is not finite and would be finite without
     /// rounding.
     NodeId no_number_in(NodeId subject) {
         if (!is_decision(tape_[subject].op)) return std::isfinite(computed(subject)) ? no_node : subject;
@@ -277,7 +277,7 @@ private:
         return no_node;
     }
 
-    /// The operation that made a value infinite or NaN: its own operands are still finite.
+    /// The operation that made a value infinite or NaN: its own operands are finite.
     NodeId origin(NodeId i) {
         for (;;) {
             const TapeNode& n = tape_[i];

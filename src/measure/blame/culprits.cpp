@@ -21,7 +21,7 @@ using truth::missing;
 
 namespace {
 
-/// Whatever decides the names of operations of one form: kinds and operands. FNV-1a over 64 bits.
+/// Hash of all that decides the names of a form's operations: their kinds and operands. FNV-1a over 64 bits.
 std::uint64_t structure_of(const Tape& tape) {
     std::uint64_t h = 14695981039346656037u;
     const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
@@ -32,13 +32,13 @@ std::uint64_t structure_of(const Tape& tape) {
     return h;
 }
 
-/// The label that each operation leads to first; its own where it has one.
+/// For each operation its label, or the label that it leads to first.
 std::vector<std::string_view> steps_of(const Tape& tape) {
     std::vector<std::string_view> step(tape.nodes.size());
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
         if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
-        // Users come later on the tape; the earliest of them is seen last and keeps its word.
+        // Users come later on the tape. The earliest of them is visited last, so its label stays.
         for (const NodeId operand : tape.operands_of(i)) {
             if (tape[operand].label.empty() && !is_decision(n.op))
                 step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
@@ -55,7 +55,7 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
 }
 
-/// A ray of the setting's camera in binary32, where formats make its rays.
+/// A ray of the setting's camera in binary32, if formats make its rays.
 std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const Setting& setting) {
     const auto* const maker = scene::rays::maker_of(form);
     if (setting.scene == nullptr || !(maker || setting.scene->camera.rays)) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const 
     return rays.record(*find_format("f32"), {0, 0});
 }
 
-/// All operations of a form, behind those that make its rays; what the inputs are called.
+/// Records all operations of a form, after those that make its rays. Returns the names of the inputs.
 std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
                                     Tape& tape) {
     form.record_all(target, tape);
@@ -75,7 +75,7 @@ std::vector<std::string> record_all(const Intersector& form, const Target<double
     return names;
 }
 
-/// What `names` says of each form of a set, each once.
+/// Joins `names` of all forms of a set, each name once.
 template <class Names>
 auto of_parts(const Intersector& set, const Setting& setting, const Names& names) {
     decltype(names(set, setting)) all;
@@ -190,7 +190,7 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, const Ran
     form_.record(format_, ray, target, range.tmax, tape_);
     const bool is_led = made && made->lead(tape_);
     const auto names_without_range = [&] { return names_of_inputs(form_, target, is_led ? &*made : nullptr); };
-    std::vector<std::string> names;  // found where they are needed
+    std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();
         put_range_behind(tape_, names, form_.of(target.solids.front().shape), format_, range);

@@ -1,4 +1,4 @@
-// What the tape of one ray says of the operations of its form: which one is to blame, by name.
+// Names the operation of a form that is to blame on one ray, from the ray's tape.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +18,25 @@
 
 namespace lostbits::measure::blame {
 
-/// What is known of a ray whose tape was walked.
+/// Blame for one ray whose tape was walked.
 struct Blame {
-    double culprit = 0;  ///< its place in the categories of the run; NaN where there is none to name
+    double culprit = 0;  ///< index into the categories of the run; NaN if there is no culprit to name
     const Tape* tape = nullptr;
     const Attribution* attribution = nullptr;
-    double ulp = 0;                                     ///< of the format at the exact value of the subject
-    std::optional<Counterfactuals> culprit_alone = {};  ///< of a culprit of t, where they are asked for
+    double ulp = 0;                                     ///< ulp of the format at the exact value of the subject
+    std::optional<Counterfactuals> culprit_alone = {};  ///< for a culprit of t, if requested
 };
 
-/// The solids and constants that the forms of a run are given; a view.
+/// Primitives and constants of the forms of a run; a view.
 struct Setting {
     std::span<const Solid<double>> solids;
-    const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
-    const scene::file::Scene* scene = nullptr;                 ///< whose camera's rays formats may make
+    const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is evaluated
+    const scene::file::Scene* scene = nullptr;                 ///< scene whose camera's rays formats may make
     bool ranged = false;                                       ///< rays have ranges
 };
 
-/// A scene's or a step's solids and constants as a `Setting`, kept while it lives; a scene outlives it.
+/// Primitives and constants of a scene or a step as a `Setting`. They live as long as this object; a scene must outlive
+/// it.
 class SettingOf {
 public:
     explicit SettingOf(const scene::file::Scene& scene);
@@ -50,48 +51,50 @@ private:
     bool ranged_ = false;
 };
 
-/// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
-/// empty where the form cannot be asked.
+/// Names of all operations of a form that can round or choose, as maps and claims write them, in the order of its tape
+/// and each once. Empty if the form has no tape for the setting.
 std::vector<std::string> operation_names(const intersect::table::Intersector& form, const Setting& setting);
 
-/// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
+/// Labels of a form, in the order of its tape; empty if the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
-/// What the inputs of a form's tape are called, behind that of what made its ray (null: nothing did).
+/// Names of the inputs of a form's tape. `made` is the recording that made the ray, whose inputs come first; null if
+/// there is none.
 std::vector<std::string> names_of_inputs(const intersect::table::Intersector& form,
                                          const intersect::Target<double>& target, const scene::rays::RecordedRay* made);
 
-/// Rays that have a culprit, by the counts of `culprit`'s categories: what shares of culprits are shares of.
+/// Number of rays that have a culprit, from the counts of `culprit`'s categories. Shares of culprits are relative to
+/// it.
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
 
-/// The share of one category, or of several, in the rays that have a culprit, by the counts of `culprit`'s categories;
-/// NaN where no ray has one. Rays on which nothing rounds have none.
+/// Share of some categories in the rays that have a culprit, from the counts of `culprit`'s categories. NaN if no ray
+/// has one. Rays without rounding errors have none.
 double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);
 
-/// The contributions of the operations that make up what the formula calls `label`: that operation and the unnamed ones
-/// that lead to it first, summed; NaN where none has that name.
+/// Sum of the contributions of the operation that the formula calls `label` and of the unnamed operations that lead to
+/// it first; NaN if no operation has that label.
 double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
-/// The bits of the largest cancellation among the live operations whose operands carry error.
+/// Bits of the largest cancellation among the live operations whose operands carry error.
 int worst_cancellation(const Attribution& attribution);
 
-/// The same among the operations of that name; NaN where none has it.
+/// The same among the operations with that label; NaN if none has it.
 double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
-/// Walks the tape of one ray after another for one form. Not for several threads at once.
+/// Walks the tapes of the rays of one form, one after another. Not for use by several threads at once.
 class Blamer {
 public:
-    /// `categories` are those of the run's `culprit`; empty where it is not asked for.
+    /// `categories` are those of the run's `culprit`; empty if it is not requested.
     Blamer(const intersect::table::Intersector& form, const Format& format,
            std::span<const std::string_view> categories, bool with_counterfactuals = false)
         : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
-    /// `made`: where a format made the ray.
+    /// `made`: the recording of the ray if a format made it.
     Blame of(const Ray<double>& ray, const intersect::Target<double>& target, const Range<double>& range = {},
              const std::optional<scene::rays::RecordedRay>& made = {});
 
 private:
-    /// A category for each node of the tape, whose inputs have these names: of all tapes of the same structure.
+    /// Category of each node of the tape; `names` are those of its inputs. Cached for all tapes of the same structure.
     const std::vector<std::int32_t>& places(const std::function<std::vector<std::string>()>& names);
 
     const intersect::table::Intersector& form_;

@@ -1,4 +1,4 @@
-// Arithmetic for the exact values of a tape: over a number that does not round, or that says how much.
+// Arithmetic for the exact values of a tape, in numbers that do not round or that bound their rounding error.
 #pragma once
 
 #include <algorithm>
@@ -14,18 +14,18 @@
 
 namespace lostbits::measure::blame {
 
-/// Double-double with bounds: what a map affords.
+/// Double-double with bounds: fast enough for a map.
 struct QuickExact {
     using Number = Ball;
     static constexpr int bits = 106;
 
-    /// Infinity is beyond every number that a ball holds.
+    /// An infinity becomes a number that is larger than every finite one.
     static Ball sum(const Ball& a, const Ball& b) { return a + b; }
     static Ball lift(double x) { return std::isinf(x) ? Ball(std::copysign(0x1p+880, x)) : Ball(x); }
     static std::optional<bool> less(const Ball& a, const Ball& b) { return settled(a < b); }
     static std::optional<bool> less_equal(const Ball& a, const Ball& b) { return settled(a <= b); }
     static double nearest(const Ball& x) { return x.undefined() == Undefined::always ? std::nan("") : x.hi(); }
-    /// Zero where the bound leaves it open that they are the same.
+    /// Zero if the bound leaves open if they differ.
     static double difference(double computed, const Ball& exact) {
         const Ball d = lift(computed) - exact;
         return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();
@@ -39,15 +39,14 @@ private:
     static std::optional<bool> settled(Tri t) { return t.is_unknown() ? std::nullopt : std::optional(t.is_yes()); }
 };
 
-/// 2048 bits: exact for the sums and products of a form over any rays that are not thousands of binades wide, and all
-/// but exact for its roots.
+/// 2048 bits: exact for the sums and products of a form on all rays but those that span thousands of binades, and
+/// nearly exact for its roots.
 struct DeepExact {
     using Number = BasicReal<2048>;
     static constexpr int bits = 2048;
 
-    /// Quotients and roots that are equal differ where they were rounded: what is left of a sum below 2^-1900 of its
-    /// parts is taken for nothing, or the sign of an offset that is zero (h of a foot point, dot(p, d)) would be one of
-    /// noise.
+    /// Quotients and roots that are equal may differ by their rounding. So a sum below 2^-1900 of its parts becomes
+    /// zero. Otherwise the sign of an offset that is zero (h of a foot point, dot(p, d)) would be the sign of noise.
     static Number sum(const Number& a, const Number& b) {
         const Number s = a + b;
         const bool regular =
@@ -59,7 +58,7 @@ struct DeepExact {
     static std::optional<bool> less_equal(const Number& a, const Number& b) { return a <= b || same(a, b); }
     static double nearest(const Number& x) { return mpfr_get_d(x.backend().data(), MPFR_RNDN); }
     static double difference(double computed, const Number& exact) { return nearest(Number(computed) - exact); }
-    /// To the nearest number of the format, as if in one step.
+    /// Rounds to the nearest number of the format, as if in one step.
     static double round_to(const Number& x, const FloatFormat& format) {
         const double near = nearest(x), rest = nearest(x - Number(near));
         return rounding::to_format(near, (rest > 0) - (rest < 0), format);
@@ -70,7 +69,7 @@ private:
     static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
 };
 
-/// What a call of a tape gives without rounding, where `value(operand)` are its arguments.
+/// Result of a call on a tape without rounding; `value(operand)` are its arguments.
 template <class Exact, class Value>
 std::optional<typename Exact::Number> called(const Tape& tape, NodeId call, const Value& value) {
     std::vector<typename Exact::Number> arguments;
@@ -78,8 +77,9 @@ std::optional<typename Exact::Number> called(const Tape& tape, NodeId call, cons
     return answer::without_rounding(tape.call_at(call).of, std::span<const typename Exact::Number>(arguments));
 }
 
-/// How errors of its arguments go through a call. The quotients are those of one argument after the other, each taken
-/// from its exact to its computed value, so that they leave no remainder; of an argument that is exact, the derivative.
+/// Factors by which errors of its arguments pass through a call. The arguments move from their exact to their computed
+/// values one after the other, so the quotients leave no remainder. For an argument that is exact, the quotient is the
+/// derivative.
 struct CallSlopes {
     using Number = DeepExact::Number;
     std::vector<double> quotients, derivatives;
@@ -94,7 +94,7 @@ struct CallSlopes {
     }
 
 private:
-    /// A step so short that what the second order leaves is nothing in a double.
+    /// A step so short that its second-order term vanishes in a double.
     static inline const Number near_one = Number(1) + ldexp(Number(1), -600);
 
     static double quotient(const Call& call, std::vector<Number> at, std::size_t k, const Number& there) {

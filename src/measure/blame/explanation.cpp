@@ -31,7 +31,7 @@ using truth::missing;
 
 namespace {
 
-/// -1, 0 or 1, the same in every run: Knuth's generator (MMIX), whose high bits are the good ones.
+/// Draws −1, 0 or 1, the same in every run, with Knuth's generator (MMIX). Its high bits are the good ones.
 class Moves {
 public:
     int next() {
@@ -47,7 +47,7 @@ double moved(double x, int ulps, const FloatFormat& format) {
     return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
 }
 
-/// Of a form that tells no t its decision alone.
+/// Standing of a form that has answered. For a form that answers no t, only the decision counts.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool tells_t = form.info->roots != intersect::Roots::none;
     Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
@@ -57,21 +57,21 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     return s;
 }
 
-/// The nearest answer over the solids of the scene, as a picture has it.
+/// Standing of the form's nearest answer over the primitives of the scene, as in a picture.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
-/// Rays near one, on which forms are compared.
+/// Rays near another one, on which forms are compared.
 struct Surroundings {
     std::span<const OneRay> rays;
-    bool hits_alone = false;  ///< correct misses do not count: pixels beside the solid say nothing of a t
+    bool hits_alone = false;  ///< skips correct misses: pixels beside the primitive say nothing about t
 };
 
-/// Mean lost bits on rays of which the truth is known; a wrong decision loses all, and where t is not asked for a right
-/// one loses none.
+/// Mean lost bits over the rays whose truth is known. A wrong decision loses all bits. If t does not count, a right
+/// decision loses none.
 double lost_around(const Intersector& form, const Format& format, const Surroundings& around, bool asks_t) {
     double sum = 0;
     int known = 0;
@@ -84,7 +84,8 @@ double lost_around(const Intersector& form, const Format& format, const Surround
     return known == 0 ? missing : sum / known;
 }
 
-/// The solids that the form answers with and that the ray truly meets; of a march all, since its field is of all.
+/// Primitives that the form hits and that the ray truly meets. For a march, all primitives, since its field includes
+/// all.
 std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inputs& in, int truly) {
     std::vector<Solid<double>> solids;
     for (std::size_t i = 0; i < in.all.solids.size(); ++i) {
@@ -94,8 +95,8 @@ std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inp
     return solids;
 }
 
-/// Compares what two forms are asked for, each on its ray, and says if that differs. Where only one of them normalises
-/// the direction their t have different units, and the decision tells.
+/// True if two forms, each on its ray, have different truths. If only one of them normalises the direction, their t
+/// have different units, and only the decision counts.
 bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
     const truth::Truth of_a = ray_a.truth(*a.info), of_b = ray_b.truth(*b.info);
     if (of_a.decision != of_b.decision) return true;
@@ -103,8 +104,8 @@ bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersec
            ray_a.rounded_truth(*a.info, binary64) != ray_b.rounded_truth(*b.info, binary64);
 }
 
-/// What is held against the form: one of its shape; of a set, it with this form for the solid that is explained, where
-/// that is another set. Null for a form that has no place in it.
+/// The form to compare with the explained one: a form of the same shape. For a set, the same set with `other` for the
+/// explained primitive, or another set of the same shapes. Null if `other` fits neither.
 const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
     if (!asked.is_set() && other.shape != asked.shape) return nullptr;
     if (!asked.is_set()) return &innermost(other) == &other ? &around(asked, other) : &other;
@@ -115,19 +116,19 @@ const Intersector* with_form(const Intersector& asked, Shape shape, const Inters
     return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
 }
 
-/// The same rays made by the same camera.
+/// The same form with the ray generator of `asked`.
 const Intersector* with_maker_of(const Intersector& asked, const Intersector* held) {
     const auto* const maker = scene::rays::maker_of(asked);
     return maker && held ? &scene::rays::with_maker(*maker, *held) : held;
 }
 
-/// How a form other than the explained one fares on a ray, and on those around it where it is right.
+/// Standing of another form on a ray and, if it is right there, on the rays around it.
 Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
                          const Surroundings& around) {
     Standing s = standing_of(form, x.format, its_ray);
     s.other_question = is_other_question(*x.form, ray, form, its_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
-    // A form that tells no t has lost no bits of it, which makes it no better than one that is right.
+    // A form that answers no t loses no bits of it, but is not better than one that is right.
     const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
     if (s.is_right() && !lost_all && !tells_less && !s.other_question)
         s.around = lost_around(form, x.format, around, x.tells_t());
@@ -176,12 +177,13 @@ std::vector<OneRay> pixels_around(const PixelOf& at, const scene::file::Scene& s
     return all;
 }
 
-/// The pixels behind the first. Of a hit the other hits tell what making such rays costs.
+/// Pixels around the first one. If the ray hits, only the other hits count: they show the error of making such rays.
 Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) {
     return {pixels.subspan(1), x.truth == truth::Truth::Decision::hit};
 }
 
-/// The form on the same pixel, as every other way makes its ray; a way that cannot is passed over.
+/// Compares the form with itself on the same pixel, with every other ray generator. Skips a generator that cannot make
+/// the ray.
 void find_better_makers(Explanation& x, const OneRay& ray, const PixelOf& pixel) {
     const Intersector& form = scene::rays::beneath_maker(*x.form);
     if (form.is_set() || form.is_placed) return;
@@ -197,7 +199,7 @@ void find_better_makers(Explanation& x, const OneRay& ray, const PixelOf& pixel)
     }
 }
 
-/// The form asked of the solid that the ray truly meets, where its answer is on another one.
+/// Evaluates the form on the primitive that the ray truly meets; called when the form answers another one.
 std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& format, const OneRay::Inputs& in,
                                       const std::optional<scene::rays::RecordedRay>& made, int truly) {
     TrueSolid found{.solid = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
@@ -219,7 +221,7 @@ std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& for
     return found;
 }
 
-/// The true t of the ray under another range; nothing where it misses.
+/// The true t of the ray under another range; nothing if it misses.
 std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                              const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::group_of(in.all.rays[in.index]);
@@ -232,7 +234,7 @@ std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, cons
     return other.rounded_truth(info, binary64);
 }
 
-/// Finds the hits that the range of a ray that truly misses leaves out.
+/// Finds the hits that the range of a ray excludes, if the ray truly misses.
 void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inputs& in) {
     const Range<double> range = in.all.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
@@ -241,7 +243,7 @@ void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inp
     x.before_begin = hit_in({0, range.tmax, {.tmax = range.open.tmax}}, ray, in, info);
 }
 
-/// The same number, or NaN both.
+/// True for equal numbers and for two NaN.
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 }  // namespace
@@ -362,7 +364,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const bool elsewhere =
         x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && !ray.meets_first(met, *form.info);
     if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, ray.recorded_ray(format), truth.object);
-    if (elsewhere) {  // between two solids there is a distance, and no error
+    if (elsewhere) {  // distances between two primitives are not errors
         x.standing.outcome = answer::Outcome::wrong_object;
         x.standing.ulps = x.standing.lost = missing;
     }

@@ -1,4 +1,4 @@
-// Everything that is to be said of one ray and one form.
+// Explanation of one ray and one form.
 #pragma once
 
 #include <optional>
@@ -13,30 +13,30 @@
 
 namespace lostbits::measure::blame {
 
-/// How a form fares on the ray.
+/// Result of a form on the ray.
 struct Standing {
     const intersect::table::Intersector* form = nullptr;
     answer::Outcome outcome = answer::Outcome::agree_miss;
-    double t = 0;                  ///< its answer
+    double t = 0;                  ///< the form's answer
     double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost = truth::missing;  ///< bits; NaN unless both hit
-    /// The mean over the ray's `neighbours`, or over the pixels around it where a camera makes the ray, a wrong
-    /// decision as all bits; NaN where nobody asked, or none is proved.
+    /// Mean lost bits over the ray's `neighbours`, or over the pixels around it if a camera makes the ray. A wrong
+    /// decision counts as all bits. NaN if not computed, or if no truth is proved.
     double around = truth::missing;
-    bool other_question = false;  ///< its contract has another truth on this ray than that of the form it is beside
+    bool other_question = false;  ///< its contract gives another truth on this ray than that of the explained form
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
-    /// A right decision before a wrong one, then fewer lost bits: on this ray alone, which may be luck.
+    /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
     bool beats(const Standing& other) const;
 };
 
-/// What a form says of the solid that a ray truly meets first, asked of it alone, where it hit another one instead.
+/// Answer of a form on the primitive that a ray truly meets first, tested alone. Set if the form hits another one.
 struct TrueSolid {
-    int solid = 0;  ///< from 0
+    int solid = 0;  ///< index, from 0
     bool hit = false;
-    double t = 0;                      ///< the form's answer; means nothing for a miss
+    double t = 0;                      ///< the form's answer; meaningless for a miss
     bool exact_hit = false;            ///< the form's decision without rounding
-    double exact_t = 0;                ///< and its t
-    scene::rays::RayGroup alone = {};  ///< the ray, as the format holds it, with that solid
+    double exact_t = 0;                ///< the form's t without rounding
+    scene::rays::RayGroup alone = {};  ///< the ray, as the format holds it, with that primitive
 };
 
 struct Explanation {
@@ -44,77 +44,79 @@ struct Explanation {
     Format format;
     std::vector<std::string> names = {};  ///< of the inputs, in the tape's order
     std::vector<double> inputs = {};      ///< as the form received them
-    Range<double> range = {};             ///< of the ray, in the format and in the unit of the form's t
-    bool made_ray = false;                ///< a camera's: the true ray is the ideal one, and the form's is computed
-    ///  the direction as the ray has it, where the form received it normalised and rounded
+    Range<double> range = {};             ///< range of the ray, in the format and in the unit of the form's t
+    bool made_ray = false;                ///< a camera makes the ray: the true ray is ideal, the form's is computed
+    /// Direction of the ray, if the form received it normalised and rounded
     std::optional<Vec<double>> given = {};
-    bool rounded_inputs = false;                     ///< the format cannot hold the ray or a solid as they were given
-    std::optional<intersect::Touching> judged = {};  ///< as closed or open solids; absent: by each form's own word
-    int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
-    Shape shape = {};           ///< of that solid
+    bool rounded_inputs = false;                     ///< the format cannot represent the ray or a primitive as given
+    std::optional<intersect::Touching> judged = {};  ///< touching convention of all forms; absent: each form's own
+    int solid = 0, solids = 1;  ///< index of the primitive that is explained, from 0, and the number of all; for a
+                                ///< march, all together
+    Shape shape = {};           ///< shape of that primitive
     Tape tape = {};
     Attribution attribution = {};
-    std::optional<Counterfactuals> culprit_alone = {};  ///< of the culprit, where there is one
+    std::optional<Counterfactuals> culprit_alone = {};  ///< effects of the culprit alone, if there is one
     Standing standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
     std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
-    /// Where a ray that truly misses would hit if its range had no end, and if it began at 0, as the form tells t.
+    /// For a ray that truly misses: its hit if the range had no end, and its hit if it began at 0, in the unit of the
+    /// form's t.
     std::optional<double> beyond_end = {}, before_begin = {};
     double condition = 0;                  ///< κ; NaN for a miss
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
     double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`
-    std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
-    /// What a map calls the ray, where it is of a mesh: a crack, a double hit, a wrong neighbour or out of order.
+    std::optional<TrueSolid> missed = {};  ///< set if the form hits another primitive than the ray; never for a march
+    /// Outcome at a mesh: a crack, a double hit, a wrong neighbour or out of order; absent for other rays.
     std::optional<answer::Outcome> in_mesh = {};
-    /// Forms of the same shape in the same format that are right on the ray and lose less around it, the least first.
+    /// Forms of the same shape in the same format that are right on the ray and lose fewer bits around it, best first.
     std::vector<Standing> better = {};
-    std::vector<Standing> beside = {};  ///< of the forms that were named beside it: how they fare
+    std::vector<Standing> beside = {};  ///< results of the forms that were named for comparison
     std::vector<const intersect::table::Intersector*> unasked =
-        {};                 ///< and those of another shape, or not in the format
-    int pixels_around = 0;  ///< over how many the means are; 0: over the ray's `neighbours`
-    /// Of forms from outside that were asked whether they do better: why they did not answer.
+        {};                 ///< named forms of another shape, or not available in the format
+    int pixels_around = 0;  ///< number of rays in the means; 0: the ray's `neighbours` are used
+    /// Errors of external intersectors that were tried in the comparison and did not answer.
     std::vector<std::string> silent = {};
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return beyond; }
-    /// Whether the form says where it hits, and not only that it does.
+    /// True if the form answers t, and not only hit or miss.
     [[nodiscard]] bool tells_t() const { return form->info->roots != intersect::Roots::none; }
-    /// Whether the operations are known: those of a form that is compiled elsewhere are not.
+    /// True if the operations are known; those of a compiled external function are not.
     [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
-    /// The ulp of the format at the subject's exact value (of the larger side of a comparison).
+    /// The ulp of the format at the subject's exact value (for a comparison, at the larger side).
     [[nodiscard]] double ulp_of_subject() const;
-    /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of
-    /// two bits or more.
+    /// The live cancellation of the most bits that the error of operation `from` goes through; none below two bits.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
-    /// Says if the form would hit `missed` first without rounding.
+    /// True if the form would hit `missed` first without rounding.
     [[nodiscard]] bool rounding_turned_order() const;
-    /// Decisions on the way to the answer that rounding turned: live choices, and the form's own.
+    /// Decisions on the path to the answer that rounding turned: live choices, and the form's own decision.
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
 
-/// What a form does on the ray, and not what others do there: `better`, `beside` and `around` stay as they are.
+/// Explains the form on the ray without comparing it with others: `better`, `beside` and `around` keep their defaults.
 Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
-/// The pixel that a ray is from, of a scene whose camera says who makes its rays (`scene::file::with_rays`).
+/// The pixel of a ray, in a scene whose camera names a ray generator (`scene::file::with_rays`).
 struct PixelOf {
     const scene::file::Scene* scene;
     int x, y;
     truth::TruthLimit limit = {};
 };
 
-/// The same, and which forms do better. That is asked of all whose faults cannot end this process
-/// (`doors::is_harmless`), and of those `beside` the form whatever they are: one from outside may crash or hang, and
-/// would take the answer with it. Where a camera makes the ray the other ways to make it are asked too. Rays near the
-/// one that was made say nothing of what making it costs, so that `around` is then the mean over the pixels around it.
+/// Explains the form on the ray and finds forms that do better. Compares all forms whose faults cannot end this process
+/// (`doors::is_harmless`), and those in `beside` whatever they are: an external intersector may crash or hang, and the
+/// answer would be lost with it. If a camera makes the ray, compares the other ray generators too. Rays near the one
+/// that was made do not show the error of making it, so `around` is then the mean over the pixels around it.
 Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
                     std::span<const intersect::table::Intersector* const> beside = {},
                     const std::optional<PixelOf>& pixel = {});
 
 inline constexpr int neighbours = 64;
 
-/// So many rays against these solids, each number moved by an ulp of the format down, up or not at all, by a rule that
-/// draws nothing. A 0 stays one, and so does what is not finite: an ulp of 0 is no small change of a direction.
+/// Makes `neighbours` rays near this one, with these primitives. Each number moves by one ulp of the format down, up or
+/// not at all, by a fixed rule without random numbers. 0 and values that are not finite stay: an ulp of 0 is not a
+/// small change of a direction.
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
                                           const FloatFormat& format, const std::vector<Solid<double>>& solids);
 

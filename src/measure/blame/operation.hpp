@@ -1,22 +1,22 @@
-// What is known of each operation of a tape, one struct an operation. Its name, its kind and the number of its operands
-// are its row in number/tape.hpp; what its struct holds follows from the kind (below), and without it nothing compiles.
+// Properties of the operations of a tape, one struct for each operation. Name, kind and number of operands are in its
+// row in number/tape.hpp. The kind decides the members of its struct; a missing one is a compile error.
 //
 //   given       exact(node) and rounding(node)
 //   rounded     exact(a, …) without rounding; computed(a, …, format); residual(a, …, value): value − exact where
 //               doubles can hold it; addends(a, …): what cancels; quotients(a, …)
-//   called      nothing: what it gives without rounding is in answer/self.hpp
+//   called      nothing: its value without rounding is in answer/self.hpp
 //   exact       exact(a), computed(a, format), quotients(a)
 //   moved       computed(a, format)
 //   sign        computed(a, b, format), quotients(a, b)
-//   choice      sides: the places of the two operands; takes_first(judge)
+//   choice      sides: the indices of the two operands; takes_first(judge)
 //   comparison  holds(judge)
 //   logic       holds(judge)
 //   all         text
 //
-// A judge answers less(i, j), less_equal(i, j) and holds(i) for the operands at those places, by their computed or by
-// their exact values.
+// A judge answers less(i, j), less_equal(i, j) and holds(i) for the operands with those indices, by their computed or
+// by their exact values.
 //
-// And how an operation is written: patterns, and what puts operands into them.
+// The text of an operation is a set of patterns; `filled` puts its operands into them.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@
 
 namespace lostbits::measure::blame {
 
-/// A text in which `$1` is the first operand and `$1:2` the same in brackets where it binds less tightly than 2. It has
-/// no default, so that an operation without one of its texts does not compile.
+/// Text in which `$1` is the first operand, and `$1:2` the same in brackets if it binds less tightly than 2. It has no
+/// default, so an operation that lacks one of its texts does not compile.
 struct Pattern {
     consteval Pattern(const char* written) : text(written) {}
     std::string_view text;
@@ -43,21 +43,22 @@ struct Binding {
     int level;
 };
 
-/// In C, `$f` is the f of `sqrtf` and nothing for double, `$t` the type; in FPCore, `$e` is the least positive number.
+/// Texts of an operation. In C, `$f` is the f of `sqrtf` and empty for double, and `$t` is the type. In FPCore, `$e` is
+/// the least positive number.
 struct OperationText {
     Binding binds;
     Pattern plain;                  ///< ASCII
-    Pattern pretty = plain;         ///< with signs beyond ASCII
+    Pattern pretty = plain;         ///< with characters beyond ASCII
     Pattern latex = plain;          ///< in math mode
-    std::string_view generic = {};  ///< in place of `plain` where each round of a loop computes it from something else
+    std::string_view generic = {};  ///< replaces `plain` if each round of a loop computes it from something else
     Pattern c;                      ///< over float or double
-    /// Over double, for a format that C has not: how the exact result is rounded to it where the rounded double alone
-    /// would not do; or, where C has no way, what it is that cannot be had.
+    /// `c_wide`: text over double for a format that C lacks; it rounds the exact result to the format where the rounded
+    /// double is not enough. `c_lacks`: if C cannot do that either, the name of what is missing.
     std::string_view c_wide = {}, c_lacks = {};
     Pattern fpcore;
 };
 
-/// The pattern with `operand(k, binds)` for the places of operands, k from 0, and `word(letter)` for those of letters.
+/// The pattern with `operand(k, binds)` in place of operands, k from 0, and `word(letter)` in place of letters.
 template <class Operand, class Word>
 std::string filled(std::string_view pattern, const Operand& operand, const Word& word) {
     const auto digit_at = [pattern](std::size_t i) { return pattern.at(i) - '0'; };
@@ -78,10 +79,10 @@ std::string filled(std::string_view pattern, const Operand& operand, const Word&
 
 template <class Operand>
 std::string filled(std::string_view pattern, const Operand& operand) {
-    return filled(pattern, operand, [](char) -> std::string { throw std::logic_error("a text knows no letters"); });
+    return filled(pattern, operand, [](char) -> std::string { throw std::logic_error("this pattern has no letters"); });
 }
 
-/// From the exact value of an operand to the computed one. Of a derivative both are the computed one.
+/// Step from the exact value of an operand to the computed one. For a derivative both are the computed one.
 struct Step {
     double from = 0, to = 0;
     bool is_derivative = false;
@@ -94,8 +95,8 @@ struct Step {
     }
 };
 
-/// By how much each operand's error is multiplied on the way through; none for decisions, for sides not taken, and for
-/// the operand of copysign that gives its sign.
+/// Factors by which the operands' errors are multiplied. None for decisions, for sides not taken, and for the operand
+/// of copysign that gives its sign.
 using Quotients = std::array<std::optional<double>, 3>;
 
 /// One struct for each row of LOSTBITS_TAPE_OPERATIONS: operation_rows.hpp.

@@ -10,13 +10,13 @@
 namespace lostbits::measure::blame {
 namespace {
 
-/// A fused operation on any doubles is exact in 3 · 1074 + 1024 bits and a few.
+/// Exact for a fused operation on any doubles: 3 · 1074 + 1024 bits and a few.
 struct ResidualExact {
     using Number = BasicReal<4400>;
     static Number sum(const Number& a, const Number& b) { return a + b; }
 };
 
-/// Decides as the format did.
+/// Decides by computed values, as the format did.
 struct ComputedJudge {
     const Tape& tape;
     const TapeNode& n;
@@ -25,7 +25,7 @@ struct ComputedJudge {
     [[nodiscard]] bool holds(std::size_t k) const { return value(k) != 0; }
 };
 
-/// Of finite operands and a result that is a number.
+/// Rounding error for finite operands and a result that is not NaN.
 template <TapeOp op>
 double rounding_from(const std::array<double, 3>& x, double value) {
     using Deep = ResidualExact::Number;
@@ -37,7 +37,7 @@ double rounding_from(const std::array<double, 3>& x, double value) {
     const Deep exact =
         with_operands<op>([](auto... of) -> Deep { return Operation<op>::exact(ResidualExact(), of...); },
                           [&](std::size_t k) { return Deep(x[k]); });
-    if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is no overflow
+    if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is not an overflow
     return mpfr_get_d(Deep(Deep(value) - exact).backend().data(), MPFR_RNDN);
 }
 
@@ -132,7 +132,7 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId t
         case OperationKind::sign:
             return with<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
         case OperationKind::moved: return {1};
-        case OperationKind::comparison: return {1, -1};  // it stands for the difference of its sides
+        case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
             Quotients q;
             q[static_cast<std::size_t>(std::ranges::find(n.operands, taken) - n.operands.begin())] = 1;

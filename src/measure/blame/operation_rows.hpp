@@ -1,5 +1,5 @@
-// The operations, a struct each: those whose result is computed (sums, products, roots, signs, moves), and what a tape
-// is given; and those that decide: choices between two numbers, comparisons, and what is made of decisions.
+// All operations, one struct for each: inputs and constants; operations that compute a value (sums, products, roots,
+// signs, moves); and those that decide (choices between two numbers, comparisons, logic).
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct IsNotASum {
     static Addends addends(auto...) { return {}; }
 };
 
-/// Written as its name or its digits.
+/// Inputs and constants are written as their name or their digits.
 struct GivenText {
     static constexpr OperationText text{.binds = 4, .plain = "", .c = "", .fpcore = ""};
 };
@@ -128,7 +128,7 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
         const double s = std::sqrt(a);
         return (value - s) - root_residual(a, s) / (2 * s);
     }
-    /// Of a zero that is exact no error comes; its derivative is infinite all the same.
+    /// An exact zero contributes no error; its derivative is infinite all the same.
     static Quotients quotients(const Step& a) {
         const double sum = std::sqrt(a.from) + std::sqrt(a.to);
         return {sum == 0 && !a.is_derivative ? 0 : 1 / sum};
@@ -152,7 +152,7 @@ struct Operation<TapeOp::fma> {
 
 template <>
 struct Operation<TapeOp::call> {
-    /// C has no such function, but its answer; FPCore of it would be another program (output/blame).
+    /// C has no such function, so its text is the answer. In FPCore it would be another program (output/blame).
     static constexpr OperationText text{.binds = 4,
                                         .plain = "exactly(ray, solid)",
                                         .latex = "\\operatorname{exactly}(\\text{ray}, \\text{solid})",
@@ -193,8 +193,8 @@ struct Operation<TapeOp::copysign> {
 
 template <>
 struct Operation<TapeOp::next_up> {
-    /// FPCore names no neighbours, but x + η rounded upward, η the least positive number of the format, is the next
-    /// above any finite x; −∞ stays what it is, and above −η comes +0 in place of −0.
+    /// FPCore has no next number. But x + η rounded upward, with η the least positive number of the format, is the next
+    /// number above any finite x. −∞ stays what it is, and the number above −η is +0 in place of −0.
     static constexpr OperationText text{.binds = 4,
                                         .plain = "next_up($1)",
                                         .latex = "\\operatorname{next\\_up}($1)",

@@ -1,4 +1,4 @@
-// From an operation of a tape to what is known of it.
+// Finds the struct of an operation of a tape.
 #pragma once
 
 #include <algorithm>
@@ -7,12 +7,12 @@
 
 #include "measure/blame/operation_rows.hpp"
 
-// A switch over kinds or operations names them all.
+// A switch over kinds or operations must name all of them.
 #pragma GCC diagnostic error "-Wswitch"
 
 namespace lostbits::measure::blame {
 
-/// f<op>(), for an operation of one of these kinds.
+/// Calls f<op>() for an operation of one of these kinds.
 template <OperationKind... kinds, class F>
 decltype(auto) with(TapeOp op, const F& f) {
     switch (op) {
@@ -26,14 +26,14 @@ decltype(auto) with(TapeOp op, const F& f) {
     throw std::logic_error("an operation of another kind");
 }
 
-/// f(operand(0), …), as many as the operation has.
+/// Calls f(operand(0), …) with as many operands as the operation has.
 template <TapeOp op, class F, class Operand>
 decltype(auto) with_operands(const F& f, const Operand& operand) {
     return [&]<std::size_t... k>(std::index_sequence<k...>)->decltype(auto) { return f(operand(k)...); }
     (std::make_index_sequence<row_of(op).operands>());
 }
 
-/// What an operation makes of operand(0), … without rounding. Only of what is given, rounded or exact.
+/// Result of an operation on operand(0), … without rounding. Only for kinds that are given, rounded or exact.
 template <class Exact, class Operand>
 typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
     using Number = typename Exact::Number;
@@ -63,9 +63,9 @@ static_assert(std::ranges::all_of(tape_operations,
                                       const OperationText& text = text_of(row.op);
                                       return !rounds || !text.c_wide.empty() || !text.c_lacks.empty();
                                   }),
-              "explain --c: an operation that rounds has no text for formats that C has not");
+              "explain --c: an operation that rounds has no text for formats that C lacks");
 
-/// Whether a decision holds.
+/// True if the decision holds.
 template <class Judge>
 bool holds(TapeOp op, const Judge& judge) {
     return with<OperationKind::comparison, OperationKind::logic>(

@@ -1,4 +1,4 @@
-// The range of a ray as operations of a tape: what whoever asks a form takes of its answer.
+// Records the range of a ray as operations of a tape: it decides which of a form's answers count.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace lostbits::measure::blame {
 
-/// Appends to the tape of a form what `keep_in_range` decides about its answer, by the same function, and makes that
-/// the tape's answer. Then a limit that decides is a comparison like any other: it has exact sides, it can be turned,
-/// and an operation is the culprit of that. `names` are those of the inputs on the tape; where the ray has a range they
-/// get `ray.tmin`. `range` is of the format and in the unit of the form's t, and its end is the one that the form was
-/// recorded with.
+/// Appends to the tape of a form the decisions of `keep_in_range` about its answer, by the same function, and makes the
+/// result the tape's answer. A limit of the range is then a comparison like any other: it has exact sides, rounding can
+/// turn it, and an operation is the culprit of that. `names` are those of the inputs on the tape; if the ray has a
+/// range, `ray.tmin` is added. `range` is in the format and in the unit of the form's t, and its end is the one that
+/// the form was recorded with.
 void put_range_behind(Tape& tape, std::vector<std::string>& names, const intersect::table::Intersector& form,
                       const Format& format, const Range<double>& range);
 

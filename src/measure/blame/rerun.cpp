@@ -17,11 +17,11 @@ public:
     Run(const Tape& tape, std::function<bool(NodeId)> rounds) : tape_(tape), rounds_(std::move(rounds)) {
         for (NodeId i = 0; i < tape.size(); ++i) values_.push_back(result(i, *this));
     }
-    /// The run that the tape recorded.
+    /// Takes the run that the tape recorded.
     explicit Run(const Tape& tape) : tape_(tape), rounds_([](NodeId) { return true; }) {
         for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
     }
-    /// As `most`, but `operation` rounds, or chooses, as it does in `one`. Only what is computed from it is run again.
+    /// Runs as `most`, but `operation` rounds, or chooses, as in `one`. Recomputes only what depends on it.
     Run(const Run& most, const Run& one, NodeId operation) : Run(most) {
         std::vector<bool> moved(values_.size());
         for (NodeId i = operation; i < tape_.size(); ++i) {
@@ -46,7 +46,7 @@ private:
         [[nodiscard]] bool holds(std::size_t k) const { return run.value(n.operands[k]) != 0; }
     };
 
-    /// Of the operands here; `as` says whether it rounds and by which values it decides.
+    /// Result of node i on the operands here; `as` decides if it rounds and by which values it chooses.
     [[nodiscard]] Number result(NodeId i, const Run& as) const {
         const TapeNode& n = tape_[i];
         switch (kind_of(n.op)) {
@@ -72,7 +72,8 @@ private:
         return blame::without_rounding<DeepExact>(n,
                                                   [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
     }
-    /// Of the arguments on the tape, what is there: a call may be some units in the last place off.
+    /// Result of a call. On the arguments of the tape it is the value on the tape: a call may be some units in the last
+    /// place off.
     [[nodiscard]] Number called(NodeId i, const Run& as) const {
         const bool same =
             std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });
@@ -81,7 +82,8 @@ private:
         if (!exact) return Number(tape_[i].value);
         return as.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
     }
-    /// Of what is no number of its format, that of the nearest.
+    /// Moves to the next number or to another format. Operands that are not numbers of their format are rounded to it
+    /// first.
     [[nodiscard]] Number moved(NodeId i) const {
         const TapeNode& n = tape_[i];
         const Number& x = value(n.operands[0]);

@@ -9,7 +9,7 @@ namespace lostbits::measure::blame {
 namespace {
 
 constexpr std::size_t short_enough = 40,
-                      short_in_latex = 120;  ///< letters of an expression that is written out within another
+                      short_in_latex = 120;  ///< longest expression that is written out within another, in characters
 
 /// `o.x` without its component; empty where it has none.
 std::string vector_of(const std::string& name) {
@@ -22,7 +22,7 @@ std::string in_brackets(const std::string& text) {
     return all.append(text).append(")");
 }
 
-/// Letters in math mode: what a label holds is shown, and nothing of it is a command.
+/// Escapes a label for math mode: every character is shown, and none is a command.
 std::string latex_letters(std::string_view text) {
     std::string out;
     for (const char c : text) {
@@ -55,7 +55,8 @@ std::string in_latex(const std::string& name) {
     return index.empty() ? escaped : escaped + "_{" + index + "}";
 }
 
-/// What means something else in a program that `explain` writes: to C, to FPCore, or to its own functions.
+/// True for a word with another meaning in a program that `explain` writes: in C, in FPCore, or among its own
+/// functions.
 bool is_taken(std::string_view word) {
     static constexpr std::array<std::string_view, 42> taken{
         "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
@@ -164,7 +165,7 @@ std::string TapeText::identifier(NodeId i) const {
     return is_taken(safe) ? safe + "_" : safe;
 }
 
-/// A sum or difference of inputs, or one of them alone: short enough to be read in place of a name.
+/// True for a sum or difference of inputs, or for one input: short enough to replace a name.
 bool TapeText::is_simple(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return true;
@@ -249,7 +250,7 @@ std::string TapeText::definition(NodeId i) const {
 }
 
 std::string TapeText::category(NodeId i) const {
-    // The name of a stretch of many operations (`Part`), told by its spaces, stands for all of them.
+    // A label with spaces names a stretch of many operations (`Part`) and stands for all of them.
     const std::string_view label = tape_[i].label;
     if (label.find(' ') != std::string_view::npos) return std::string(label);
     const NodeId dot = part_of_dot_[static_cast<std::size_t>(i)];

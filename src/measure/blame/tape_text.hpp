@@ -1,4 +1,4 @@
-// A tape as expressions that a person reads.
+// Writes a tape as readable expressions.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace lostbits::measure::blame {
 
-/// Names and expressions of the operations of one tape. The formula's own letters where it names them (a letter that
-/// comes again, in a loop over axes, is numbered: `tmin`, `tmin2`); sums of three products as dot products; the three
-/// components of a vector that occurs in one as `v1.x`, `v1.y`, `v1.z`; everything else is written out where it is
-/// short and is `s12` where it is not.
+/// Names and expressions of the operations of one tape. A name of the formula is used where there is one; a name that
+/// occurs again, in a loop over axes, is numbered: `tmin`, `tmin2`. Sums of three products are written as dot products,
+/// and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Everything else is written out if it is
+/// short, and is `s12` if it is not.
 class TapeText {
 public:
-    /// plain is ASCII: `dot(a, b) - r*r`; pretty: `a·b − r·r`; latex: in math mode; generic: plain, but alike for every
-    /// axis and every round of a loop.
+    /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `latex`: math mode. `generic`: as plain, but the
+    /// same for every axis and every round of a loop.
     enum class Style { plain, pretty, latex, generic };
 
     TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
@@ -26,15 +26,16 @@ public:
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
     /// The name as the style writes it.
     [[nodiscard]] std::string shown(NodeId i) const;
-    /// The same as a C identifier; of a constant its digits.
+    /// The name as a C identifier; for a constant, its digits.
     [[nodiscard]] std::string identifier(NodeId i) const;
-    /// What it is computed from: `dot(o - centre, o - centre) - radius*radius`.
+    /// The right-hand side of its definition: `dot(o - centre, o - centre) - radius*radius`.
     [[nodiscard]] const std::string& expression(NodeId i) const;
-    /// It within a larger expression: its name where it has one of its own, what it is computed from otherwise.
+    /// Text of the node within a larger expression: its own name if it has one, otherwise its expression.
     [[nodiscard]] std::string operand(NodeId i) const { return operand(i, 0); }
-    /// `c = dot(…) - radius*radius`, or the expression alone where the formula does not name it.
+    /// `c = dot(…) - radius*radius`, or only the expression if the formula does not name it.
     [[nodiscard]] std::string definition(NodeId i) const;
-    /// Of the generic style: `inv = 1/d.i`. What a map calls an operation by; names are not unique in it.
+    /// Category of an operation in a map, in the generic style: `inv = 1/d.i`. Several operations may have the same
+    /// one.
     [[nodiscard]] std::string category(NodeId i) const;
 
 private:
@@ -43,7 +44,7 @@ private:
         Triple a, b;
     };
     [[nodiscard]] bool is_vector(const Triple& v) const;
-    /// Whether node i is the last sum of a dot product, and of which vectors.
+    /// True if node i is the last sum of a dot product; sets `dot` to its vectors.
     [[nodiscard]] bool dot_of(NodeId i, Dot& dot) const;
     void name_vector(const Triple& v);
     void name_all();
@@ -59,8 +60,7 @@ private:
     Style style_;
     std::vector<std::string> names_;
     std::map<Triple, std::string> vectors_;
-    mutable std::vector<std::string> expressions_;  ///< those that were asked for: a march is a chain in which each
-                                                    ///< step occurs several times in the next
+    mutable std::vector<std::string> expressions_;  ///< filled on demand: in a march, each step recurs in the next
     std::vector<NodeId> part_of_dot_;               ///< the dot product that a partial sum or product belongs to
 };
 

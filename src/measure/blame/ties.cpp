@@ -1,4 +1,4 @@
-// Which of several operations that contribute the same is the culprit.
+// Chooses the culprit among several operations with the same contribution.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -10,7 +10,7 @@ namespace lostbits::measure::blame {
 
 namespace {
 
-/// f(operand), for each operand whose error goes through node i, in the formula's order.
+/// Calls f(operand) for each operand whose error goes through node i, in the order of the formula.
 template <class F>
 void for_each_source(const Tape& tape, NodeId i, const F& f) {
     const TapeNode& n = tape[i];
@@ -22,7 +22,7 @@ void for_each_source(const Tape& tape, NodeId i, const F& f) {
     }
 }
 
-/// Where the nodes stand on the way to the subject, whatever the order of the tape.
+/// Positions of the nodes on the way to the subject; they do not depend on the order of the tape.
 class Ways {
 public:
     Ways(const Tape& tape, const Attribution& found)
@@ -41,7 +41,8 @@ private:
     static constexpr int not_read = -1;
     static int& at(std::vector<int>& of, NodeId i) { return of[static_cast<std::size_t>(i)]; }
 
-    /// From the answer down, operands from left to right. A march is thousands of operations deep.
+    /// Numbers the nodes from the answer down, operands from left to right. Not recursive: a march is thousands of
+    /// operations deep.
     void read(NodeId subject) {
         int place = 0;
         std::vector<NodeId> left{subject};
@@ -57,8 +58,8 @@ private:
     }
 
     const Tape& tape_;
-    std::vector<int> steps_;  ///< operations up to the subject, on the longest way
-    std::vector<int> read_;   ///< its place among those that are read
+    std::vector<int> steps_;  ///< number of operations up to the subject, on the longest path
+    std::vector<int> read_;   ///< position in reading order
 };
 
 bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
@@ -75,7 +76,7 @@ bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId
 }  // namespace
 
 std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below) {
-    // What is not a number has no size, and comes after all that have one.
+    // NaN has no magnitude, and comes after all numbers.
     const auto size = [&](NodeId i) {
         const double contribution = found[i].contribution;
         return std::isnan(contribution) ? -1 : std::fabs(contribution);

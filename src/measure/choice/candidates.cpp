@@ -20,7 +20,9 @@ double quantile_named(const std::string& text) {
     const char* const end = text.data() + text.size();
     const bool is_number = text.starts_with("p") && std::from_chars(text.data() + 1, end, percent).ptr == end;
     if (!is_number || !(percent > 0 && percent < 100))
-        throw InputError(text + ": here it is p50, p99, p99.9 or the like, or max; p99: 99 of 100 hits keep the bits");
+        throw InputError(text +
+                         ": not a quantile; write max, or a percentile such as p50, p99 or p99.9 (p99: 99 of 100 hits "
+                         "keep the bits)");
     return percent / 100;
 }
 
@@ -102,7 +104,7 @@ std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
 
 namespace {
 
-/// The place of the least by `less`, among those that `fit`.
+/// Index of the least by `less`, among those that `fit`.
 template <class Fit, class Less>
 std::optional<std::size_t> least_of(const std::vector<Candidate>& all, const Fit& fit, const Less& less) {
     std::optional<std::size_t> best;
@@ -114,7 +116,7 @@ std::optional<std::size_t> least_of(const std::vector<Candidate>& all, const Fit
 
 bool takes_less(const Candidate& a, const Candidate& b) { return a.time.median < b.time.median; }
 
-/// NaN keeps nothing.
+/// Correct bits of a candidate; NaN counts as none.
 double bits_of(const Candidate& c) { return std::isnan(c.worth.kept_bits) ? -1 : c.worth.kept_bits; }
 
 bool is_more_accurate(const Candidate& a, const Candidate& b) {
@@ -122,8 +124,8 @@ bool is_more_accurate(const Candidate& a, const Candidate& b) {
     return wrong_a != wrong_b ? wrong_a < wrong_b : bits_of(a) > bits_of(b);
 }
 
-/// How near a candidate comes: by bits; where there is a tolerance by those that are wished, and then by how far it is
-/// off.
+/// Key of nearness to a requirement: the bits. With a tolerance, the bits up to the required ones, and then the
+/// distance error.
 std::pair<double, double> nearness(const Candidate& c, const Wish& wish) {
     if (!wish.has_tolerance()) return {bits_of(c), 0};
     return {std::min(bits_of(c), wish.bits), std::isnan(c.worth.off) ? -HUGE_VAL : -c.worth.off};

@@ -1,5 +1,4 @@
-// Every form and format on the rays of a scene or of files: what it keeps, what it decides wrongly and what it costs,
-// in one run.
+// Measures every form and format on the rays of a scene or of files in one run: bits kept, wrong decisions, and time.
 #pragma once
 
 #include <cstdint>
@@ -17,30 +16,30 @@ namespace lostbits::measure::choice {
 
 using speed::thinned;
 
-/// What a user asks of an intersector.
+/// Requirement of a user on an intersector.
 struct Wish {
-    double bits = 0;   ///< correct bits of t, at least
-    double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another solid
-    double quantile = 0.99;  ///< of the agreed hits, so many keep those bits; 1: every one
-    double tolerance = std::numeric_limits<double>::infinity();  ///< `distance_error` of as many, at most
+    double bits = 0;   ///< least number of correct bits of t
+    double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another primitive
+    double quantile = 0.99;  ///< share of the agreed hits that must keep those bits; 1: all of them
+    double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same share
 
     [[nodiscard]] bool has_tolerance() const { return tolerance < std::numeric_limits<double>::infinity(); }
-    /// What is measured for it: `lost_bits`, and where there is a tolerance `distance_error`.
+    /// Metrics to measure: `lost_bits`, and `distance_error` if there is a tolerance.
     [[nodiscard]] std::vector<const metric::Metric*> metrics() const;
 };
 
-/// `p99`, `p99.9`, `max`: the share of the hits. InputError for any other word.
+/// The quantile of `p99`, `p99.9` or `max`. Throws InputError for any other text.
 double quantile_named(const std::string& text);
 
-/// What a row of a map is worth to a wish.
+/// Measurements of a row, as far as a requirement needs them.
 struct Worth {
-    std::uint64_t rays = 0;                  ///< whose truth is known
-    std::uint64_t wrong = 0;                 ///< of these, decided wrongly
-    std::optional<answer::Outcome> first{};  ///< the most frequent way
-    std::uint64_t of_first = 0;              ///< so many in that way
-    double kept_bits = 0;    ///< p − lost bits, at the wish's quantile of the agreed hits; NaN where none is agreed
-    std::uint64_t hits = 0;  ///< rays that truly hit
-    double off = truth::missing;  ///< `distance_error` at the same quantile; NaN where the wish has no tolerance
+    std::uint64_t rays = 0;                  ///< rays whose truth is known
+    std::uint64_t wrong = 0;                 ///< those of them that are decided wrongly
+    std::optional<answer::Outcome> first{};  ///< most frequent wrong outcome
+    std::uint64_t of_first = 0;              ///< number of rays with that outcome
+    double kept_bits = 0;         ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without any
+    std::uint64_t hits = 0;       ///< rays that truly hit
+    double off = truth::missing;  ///< `distance_error` at the same quantile; NaN without a tolerance
 
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
@@ -51,66 +50,69 @@ struct Worth {
     }
 };
 
-/// A form in a format, as it would be called.
+/// A form in a format, as a program would call it.
 struct Candidate {
     evaluate::TestedForm row;
-    std::string_view isa = {};  ///< of the registers: `scalar`, `128`, ...
-    speed::Timing time{};       ///< seconds a ray and solid
+    std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
+    speed::Timing time{};       ///< seconds for one ray and primitive
     Worth worth{};
 };
 
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;       ///< what the choice is for; null where it is for rays of files
-    const FileRays* rays = nullptr;                  ///< judged for these rows and this wish
-    std::vector<evaluate::TestedForm> rows = {};     ///< f32 and f64 alone
-    std::vector<evaluate::TestedForm> untimed = {};  ///< in emulated formats: asked only what each pixel requires
+    const scene::file::Scene* scene = nullptr;       ///< scene to choose for; null for rays of files
+    const FileRays* rays = nullptr;                  ///< judged for these rows and this requirement
+    std::vector<evaluate::TestedForm> rows = {};     ///< in f32 and f64 only
+    std::vector<evaluate::TestedForm> untimed = {};  ///< rows in emulated formats; used only for the requirement of
+                                                     ///< each pixel
     Wish wish{};
-    bool single = false;  ///< one ray at a time, not a register full
+    bool single = false;  ///< one ray at a time instead of a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
-    std::vector<evaluate::Show> shows = {};  ///< what `measure_candidates` shows its rows to, in their order; or none
-    /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
+    std::vector<evaluate::Show> shows = {};  ///< receive the rows of `measure_candidates`, in their order; may be empty
+    /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
+    /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-    /// Of the scene, or of the files: what results are called.
+    /// Id of the scene or of the files, which names the results.
     [[nodiscard]] const std::string& id() const;
 };
 
-/// What a summary, of the wish's metrics, is worth to it.
+/// Measurements of a summary whose metrics are the requirement's.
 Worth worth_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row, const Wish& wish);
-/// The same of a row on a band.
+/// Measurements of a row on a band.
 Worth worth_on(const truth::Band& band, const evaluate::TestedForm& row, const Wish& wish);
-/// And where the row is given other inputs than the band's.
+/// Measurements of a row that receives these inputs instead of the band's.
 Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
                const Wish& wish);
 
-/// The worth of every row on the scene, at the scene's size; `progress` as above.
+/// Measurements of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
-/// The format that a row computes in: that of its inputs and answers, but where the formula goes to the wider one and
-/// back on the plainest ray.
+/// The format that a row computes in. It is that of its inputs and answers, unless the formula converts to the wider
+/// one and back on a plain ray.
 Format computes_in(const evaluate::TestedForm& row);
 
-/// What was timed, see `speed::SceneWork`.
+/// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
 struct TimedRays {
     std::size_t rays = 0, solids = 0;
 };
 
-/// Every row, in the request's order: its worth, and its time on rays of the scene or of the files themselves.
+/// Measures every row, in the request's order, and times it on rays of the scene or of the files.
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
-/// The places of all, cheapest first.
+/// Indices of all candidates, cheapest first.
 std::vector<std::size_t> by_price(const std::vector<Candidate>& all);
 
-/// The fastest that meets the wish; the fastest and the most accurate of all (fewest wrong decisions, then most bits);
-/// nothing where the list is empty or nothing meets it.
+/// `cheapest` is the fastest that meets the requirement. `fastest` and `most_accurate` (fewest wrong decisions, then
+/// most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
 std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Wish& wish);
 std::optional<std::size_t> fastest(const std::vector<Candidate>& all);
 std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
-/// What comes nearest to a wish that nothing meets: of those that decide well enough the one that keeps most bits; if
-/// there is none, the one that decides fewest rays wrongly.
+/// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
+/// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
+/// error. If none has few enough wrong decisions, it is the one with the fewest.
 std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish);
 
 }  // namespace lostbits::measure::choice

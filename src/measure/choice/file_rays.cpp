@@ -6,8 +6,8 @@ namespace lostbits::measure::choice {
 
 namespace {
 
-/// Keeps every n-th ray of a file of unknown length: n is doubled, and every other ray dropped, when there are too
-/// many.
+/// Keeps every n-th ray of a file of unknown length. When the sample is full, n is doubled and every other ray is
+/// dropped.
 class Sampler {
 public:
     void add(const scene::dump::Chunk& chunk) {

@@ -1,4 +1,4 @@
-// Files of rays as a choice takes them: read once, every ray judged, some kept for what is measured again and again.
+// Files of rays for a choice: read once, with every ray judged and a sample kept for repeated measurements.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace lostbits::measure::choice {
 
-/// The answers that the files have of their own. Their time is not known.
+/// Answers that the files bring with them. Their time is not known.
 struct FileAnswers {
     std::string name;  ///< `file.NAME`
     Format format;
@@ -21,27 +21,29 @@ struct FileAnswers {
 };
 
 struct FileRays {
-    std::string id;    ///< what results are called
-    std::string name;  ///< of the files, as they were typed
-    Format format;     ///< that their numbers are stored in
+    std::string id;    ///< names the results
+    std::string name;  ///< names of the files, as typed
+    Format format;     ///< in which their numbers are stored
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;      ///< numbers that the format does not hold
-    std::vector<Worth> worth = {};  ///< of the request's rows, over every ray
+    std::uint64_t rounded = 0;      ///< numbers that the format cannot represent, and that were rounded
+    std::vector<Worth> worth = {};  ///< one for each of the request's rows, over every ray
     std::optional<FileAnswers> answers = {};
     scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
 };
 
-/// What the command line says of the files, beside their columns.
+/// Properties of the files that the command line gives, besides their columns.
 struct FileTerms {
-    std::string id;                                             ///< what results are called
-    std::vector<Solid<double>> solids = {};                     ///< of all rays; empty: each has its own
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
+    std::string id;                                             ///< names the results
+    std::vector<Solid<double>> solids = {};                     ///< of all rays; empty: each ray has its own
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles are the last of these primitives;
+                                                                ///< null: no mesh
     intersect::Info contract{};                                 ///< of the answers
-    /// With the bytes of the files that are done since the last call; may throw to stop.
+    /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Reads the dump to its end, for the rows, wish and limit of the request. InputError as `judge::run_judge`.
+/// Reads the dump to its end, for the rows, requirement and limit of the request. Throws InputError as
+/// `judge::run_judge` does.
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request);
 
 }  // namespace lostbits::measure::choice

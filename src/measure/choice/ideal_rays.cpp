@@ -11,7 +11,7 @@ namespace lostbits::measure::choice {
 
 namespace {
 
-/// Also to more bits than a double has; the exponent is unbounded there.
+/// Rounds x once, also to formats with more bits than a double; their exponents are unbounded.
 Real round_once(const Real& x, const FloatFormat& format) {
     if (format.precision <= binary64.precision) return scene::toml::round_to_format(x, format);
     mpfr_t narrow;
@@ -25,7 +25,7 @@ Real round_once(const Real& x, const FloatFormat& format) {
 
 double as_double(const Real& x) { return static_cast<double>(x); }
 
-/// The middle of what a ray is aimed at.
+/// Centres of the primitives that the rays are aimed at.
 std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
     std::vector<Vec<Real>> targets;
     for (const Solid<Real>& solid : ideal.solids) targets.push_back(scene::file::middle_of(solid));

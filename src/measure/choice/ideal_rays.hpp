@@ -1,4 +1,4 @@
-// Rays and solids as exact numbers, without a camera: stored in formats, and stretched.
+// Rays and primitives as exact numbers, without a camera. They can be stored in formats, and stretched.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace lostbits::measure::choice {
 
-/// What grows by a factor while the rest stays.
+/// Quantity that grows by a factor while the rest stays.
 enum class Growth {
-    distance,  ///< from the eye to the solids, straight back along the view; a narrower view keeps the picture
-    radius,    ///< of each solid, about its point nearest to the eye, which stays where it is
-    offset,    ///< eye and solids together move away from the origin, along (1, 11/16, −7/16)
+    distance,  ///< from the eye to the primitives, straight back along the view; a narrower view keeps the picture
+    radius,    ///< of each primitive, about its point nearest to the eye, which stays in place
+    offset,    ///< eye and primitives together move away from the origin, along (1, 11/16, −7/16)
     view       ///< the tangent of half the field of view
 };
 inline constexpr std::array<std::string_view, 4> growth_names{"distance", "radius", "offset", "view"};
@@ -25,39 +25,44 @@ inline constexpr std::array growths{Growth::distance, Growth::radius, Growth::of
 struct IdealRays {
     scene::rays::IdealRayBlock rays;
     std::vector<Solid<Real>> solids;
-    bool paired = false;  ///< ray i is aimed at solid i alone
+    bool paired = false;  ///< ray i is aimed only at primitive i
 
     [[nodiscard]] truth::Band band(truth::TruthLimit limit) const { return truth::Band(rays, solids, paired, limit); }
 };
 
-/// Those of a file: its numbers are exact.
+/// Rays of a file: its numbers are exact.
 IdealRays ideal_of(const scene::rays::RayGroup& group);
-/// Those of a scene before any format rounds them; a scene without a flake.
+/// Rays of a scene before any format rounds them; for a scene without a flake.
 IdealRays ideal_of(const scene::file::Scene& scene);
 
-/// Every number rounded once to the format.
+/// Rounds every number once to the format.
 scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format);
 
-/// Where the numbers of a ray and its solid come from: what can be stored in a format of its own. `place` is the centre
+/// Groups of the numbers of a ray and its primitive; each can be stored in a format of its own. `place` is the centre
 /// of a sphere and the corners of a box; a box has no `radius`.
 enum class Input { origin, direction, place, radius };
 inline constexpr std::array input_kinds{Input::origin, Input::direction, Input::place, Input::radius};
-/// The format of each; nothing: the ideal number.
+/// Format of each group; nothing: the ideal number.
 using InputFormats = std::array<std::optional<FloatFormat>, input_kinds.size()>;
-/// The numbers as these formats hold them.
+/// Rounds the numbers to these formats.
 IdealRays rounded(const IdealRays& ideal, const InputFormats& formats);
 
 struct StretchedRays {
     IdealRays rays;
-    double value;  ///< distance: the median from the origins to the solids' middle; others as in `Stretched`
+    double value;  ///< distance: median from the origins to the centre of the primitives; others as in `Stretched`
 };
 
-/// Rays stretched one way, `factor` ≥ 1. `distance`: each starts farther back on its own line, as far as takes the
-/// place on it that is nearest to the middle of its solid (of all, where they share several) k times away; rays whose
-/// solid lies behind them stay. `radius`: each solid about its point nearest to the origin of its ray, so that rays
-/// that share one have one each then; rays that share several, about that nearest to the mean of all origins. `offset`:
-/// all of it, (k − 1) times the median distance. Nothing where a way means nothing: no view, no distance of solids
-/// behind all rays, no radius about a centre.
+/// Stretches rays by one kind of growth; `factor` k ≥ 1.
+///
+/// - `distance`: each ray starts farther back on its own line. The point on the line that is nearest to the centre of
+///   its primitive (of all, if rays share several) is then k times as far away. Rays whose primitive lies behind them
+///   stay.
+/// - `radius`: each primitive grows about its point nearest to the origin of its ray, so rays that share one primitive
+///   then have one each. If rays share several, each grows about its point nearest to the mean of all origins.
+/// - `offset`: rays and primitives move together, by (k − 1) times the median distance.
+///
+/// Returns nothing if the growth does not apply: `view`, `distance` if the primitives lie behind all rays, `radius` if
+/// the point that stays is the centre of a sphere.
 std::optional<StretchedRays> stretched(const IdealRays& rays, Growth way, double factor);
 
 }  // namespace lostbits::measure::choice

@@ -18,10 +18,10 @@ using truth::Truth;
 
 namespace {
 
-/// Each ray is held against every solid, in numbers of 256 bits.
+/// Limits: each ray is tested against every primitive, in numbers of 256 bits.
 constexpr std::size_t most_problems = 1 << 17, most_listed = 1024;
 
-/// The truth of what is stored, held against the truth of what was meant, as an answer that is never rounded.
+/// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
 Worth exact_worth(const Band& meant, const Band& stored, const TestedForm& row, const Wish& wish) {
     Worth worth;
     metric::Distribution lost, off;
@@ -47,7 +47,7 @@ Worth exact_worth(const Band& meant, const Band& stored, const TestedForm& row, 
     return worth;
 }
 
-/// What half an ulp of a format in each input leaves of its bits, and how far it moves the hit point.
+/// Bits that half an ulp of a format in each input leaves, and the distance by which it moves the hit point.
 struct Inherent {
     double kept, off;
 };
@@ -60,13 +60,13 @@ Inherent inherent(const Band& band, const TestedForm& row, const Format& format,
         const double reach = band.reach(i, row.convention(), unit, {.format = format});
         const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
         lost.add(truth::inherent_bits(reach, t, format.parameters));
-        // In units of the power of two of t*: its share of t*, which is that of the distance.
+        // Reach is in units of the power of two of t*. Its share of t* is the same for the distance.
         off.add(t.is_zero() ? reach : reach * std::fabs(truth::scaled_difference(found.distance, {}, 0) / t.hi));
     }
     return {format.parameters.precision - lost.quantile(wish.quantile), off.quantile(wish.quantile)};
 }
 
-/// The inputs that a solid has: a box has no radius.
+/// Bits of the inputs that a primitive has: a box has no radius.
 unsigned inputs_of(const IdealRays& ideal) {
     const auto is_length = [](const Key& key) { return key.kind == Key::Kind::length; };
     const bool round = std::ranges::any_of(
@@ -107,7 +107,7 @@ private:
         return trial;
     }
 
-    /// The fewest; of as many, those with which most bits are kept.
+    /// Finds the fewest inputs that are enough; among equally few, those that keep the most bits.
     void find_enough() {
         const auto is_better = [](const InputTrial& a, const InputTrial& b) {
             const int more = std::popcount(a.wide) - std::popcount(b.wide);
@@ -119,7 +119,7 @@ private:
         }
     }
 
-    /// By bisection: more bits are taken to be no worse.
+    /// Finds the least precision by bisection, which assumes that more bits are not worse.
     void find_least_precision() {
         int fails = found_.base.precision, meets = found_.wider_than_f64 ? 256 : binary64.precision;
         while (meets - fails > 1) {
@@ -181,7 +181,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
     found.base = found.rounded_before ? binary32 : row.format.parameters;
     found.wider_than_f64 = found.base == binary64;
     if (!ideal.solids.empty() && reached.hits > 0) Trials(request, row, ideal, found).run();
-    // What every format gets is exact to the wish; to others the trial without anything wide is what they get.
+    // If every format gets the same stored inputs, they are exact for the requirement. Otherwise the first trial, in
+    // which no input is wide, has what the row gets.
     if (found.rounded_before || found.trials.empty()) found.exact = exact_worth(*given, *given, row, request.wish);
     else found.exact = found.trials.front().exact;
     found.cause = cause_of(found, row, request.wish, reached);

@@ -11,7 +11,7 @@ using evaluate::TestedForm;
 void MeetsAt::band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost = result.metrics.front();
-    // A form that does not tell t has no lost bits, and NaN keeps none.
+    // A form that answers no t has no lost bits; NaN counts as no bits kept.
     const auto keeps = [&](std::size_t i) {
         return precision_ - lost[i] >= wish_.bits &&
                (!wish_.has_tolerance() || result.metrics[1][i] <= wish_.tolerance);
@@ -32,13 +32,13 @@ Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& 
 
 namespace {
 
-/// A row of either kind, in the order in which it is tried.
+/// A row with its index, in the order in which rows are tried.
 struct Tried {
     const MeetsAt* meets;
-    int place;  ///< of the candidate, or of the format
+    int place;  ///< index of the candidate or of the format
 };
 
-/// The first of the tried that meets the wish at the pixel.
+/// Index of the first row that meets the requirement at the pixel.
 int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
     for (const Tried& t : tried) {
         if (t.meets->meets(pixel)) return t.place;
@@ -47,7 +47,7 @@ int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
     return unknown ? Requirement::unresolved : Requirement::none;
 }
 
-/// The formats of the rows, each once, by precision and then by name.
+/// Formats of the rows, each once, ordered by precision and then by name.
 std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
     for (const TestedForm& row : rows) {
@@ -61,7 +61,7 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     return formats;
 }
 
-/// Counts the places that are at least 0.
+/// Counts the indices that are at least 0.
 std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t kinds) {
     std::vector<std::uint64_t> counts(kinds);
     for (const int place : places) {
@@ -70,7 +70,7 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t
     return counts;
 }
 
-/// Fills what is said of formats; `meetings` are of `rows`.
+/// Fills in the members about formats; `meetings` belong to `rows`.
 void find_narrowest(Requirement& r, const std::vector<TestedForm>& rows, const std::vector<const MeetsAt*>& meetings) {
     r.formats = formats_of(rows);
     std::vector<std::vector<Tried>> of_format(r.formats.size());

@@ -66,7 +66,8 @@ std::optional<Stretched> stretched(const Scene& scene, Growth way, double factor
 
 namespace {
 
-/// Whether what is stored is still what was meant: nine rays of ten have the same decision, and t to a tenth.
+/// True if the stored scene is still the ideal one: for nine rays of ten, the decision is the same and t agrees within
+/// a tenth.
 bool is_as_meant(const truth::Band& stored, const truth::Band& meant) {
     const auto t_of = [](const truth::Band& band, std::size_t i) {
         return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
@@ -79,25 +80,25 @@ bool is_as_meant(const truth::Band& stored, const truth::Band& meant) {
     return 10 * other <= meant.pixels();
 }
 
-/// What is found at a factor.
+/// Result at one factor.
 struct Found {
     double value;
     Worth worth;
     bool as_meant;
 };
-/// Nothing where the way means nothing there.
+/// Measures at a factor; nothing if the growth does not apply there.
 using Look = std::function<std::optional<Found>(Growth way, double factor)>;
 
-/// The search along one way.
+/// Search along one kind of growth.
 class Search {
 public:
     Search(const Look& look, const Wish& wish, Growth way) : look_(look), wish_(wish) { room_.way = way; }
 
-    /// Nothing where the way means nothing.
+    /// Nothing if the growth does not apply.
     std::optional<Room> run() {
-        // Not 2: doubled numbers keep their significands, and with them the luck of a rounding that all rays share.
-        // On a sphere of radius 6371000, sphere.pythagoras kept 16 bits in f64 at 2^15 times the radius, and 15.3 at
-        // 31392 times.
+        // The step is not 2: doubled numbers keep their significands, and with them the luck of a rounding that all
+        // rays share. On a sphere of radius 6371000, sphere.pythagoras kept 16 bits in f64 at 2^15 times the radius,
+        // and 15.3 at 31392 times.
         constexpr double most = 0x1p64, close = 1.02, step = 1.8392867552141612;
         double next = 1;
         while (next <= most && try_at(next)) next *= step;
@@ -108,7 +109,7 @@ public:
     }
 
 private:
-    /// Whether the wish holds at that factor; notes what it finds.
+    /// True if the requirement is met at that factor; records the result.
     bool try_at(double factor) {
         const auto there = look_(room_.way, factor);
         if (!there) return false;

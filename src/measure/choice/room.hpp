@@ -1,5 +1,5 @@
-// How far a choice holds: the scene, or the rays, stretched one way until the wish fails. And where, with the choice,
-// the next ray may start.
+// Margins of a choice: the scene, or the rays, are stretched until the requirement fails. Also finds strategies for the
+// origin of the next ray with the chosen form.
 #pragma once
 
 #include <array>
@@ -14,52 +14,54 @@
 
 namespace lostbits::measure::choice {
 
-/// A scene that has grown one way, and the length or angle that stands for it.
+/// A scene stretched by one kind of growth, and the length or angle that has grown.
 struct Stretched {
     scene::file::Scene scene;
-    double value;  ///< distance: from the eye to the solids' middle, along the view; radius: of the largest solid (of a
-                   ///< box half its longest side); offset: of what moved: world units. view: degrees
+    double value;  ///< distance: from the eye to the centre of the primitives, along the view; radius: of the largest
+                   ///< primitive (for a box, half its longest side); offset: of the move; all in world units. view: in
+                   ///< degrees
 };
 
-/// Nothing where the way means nothing for the scene: no distance, offset or view of the pixel plane, no distance of
-/// solids that lie behind, no radius of a sphereflake, no view of parallel rays, and none wider than 170 degrees. The
-/// offset at a factor k is (k − 1) times the distance from the eye to the solids' middle. `factor` ≥ 1.
+/// Stretches a scene; `factor` ≥ 1. Returns nothing if the growth does not apply: no distance, offset or view for the
+/// pixel plane, no distance of primitives that lie behind, no radius of a sphereflake, no view of parallel rays, and no
+/// view wider than 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the centre of
+/// the primitives.
 std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth way, double factor);
 
-/// What ended the search along a way.
+/// End of the search along one kind of growth.
 enum class End {
-    fails,        ///< the wish
+    fails,        ///< the requirement is not met
     nothing_hit,  ///< no ray hits anything there
-    other_scene,  ///< the format in which inputs are stored (binary32 where a scene shares them, that of a file) holds
-                  ///< another scene there: for more than a tenth of the rays, the decision or a tenth of t is not what
-                  ///< was meant
-    none          ///< nothing, up to the largest factor or the widest view
+    other_scene,  ///< the storage format (binary32 if a scene shares its inputs, the file's format for a file)
+                  ///< represents another scene there: for more than a tenth of the rays, the decision differs or t is
+                  ///< off by more than a tenth
+    none          ///< no end up to the largest factor or the widest view
 };
 inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
 
 struct Room {
     Growth way = Growth::distance;
-    double holds = 0, value = 0;  ///< the largest factor at which the wish was seen to hold below the end, and what it
-                                  ///< stands for; 0: it fails as the scene is
-    double beyond = 0;            ///< the first factor seen at the end; 0 where there is none
+    double holds = 0, value = 0;  ///< largest factor at which the requirement was seen to hold, below the end, and the
+                                  ///< value there; 0: it fails without any growth
+    double beyond = 0;            ///< first factor seen at the end; 0 if there is none
     End end = End::none;
-    Worth broken{};  ///< there, where the wish fails
+    Worth broken{};  ///< measurements at `beyond`, if the requirement fails there
 };
 
-/// Doubles the factor until the wish fails or the way ends, at most to 2^64, and halves the last step until it is known
-/// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`, or on the sample of the
-/// files' rays (see `StretchedRays` for what the ways are there).
+/// Multiplies the factor until the requirement fails or the growth ends, at most to 2^64, and narrows the last step
+/// down to 2 %. A failure in between that recovers is not seen. Works on a picture of at most `pixels`, or on the
+/// sample of the files' rays (`StretchedRays` says how those grow).
 std::vector<Room> rooms_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels = 4096);
 
-/// The strategies of offset that are right for every ray that leaves what a form has hit on a scene.
+/// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
 struct SafeOffsets {
-    std::vector<offset::SafeStrategy> outside;  ///< for the rays away from the solid; the cheapest first
-    std::vector<offset::SafeStrategy> both;     ///< also for those into it
-    std::uint64_t points = 0, rays = 0;         ///< that this was measured on
+    std::vector<offset::SafeStrategy> outside;  ///< for rays away from the primitive; cheapest first
+    std::vector<offset::SafeStrategy> both;     ///< for those and for rays into it
+    std::uint64_t points = 0, rays = 0;         ///< number of points and rays measured
 };
 
-/// On a picture of at most `pixels`, fewer where there are many solids. Nothing where the scene has too many, or the
-/// form cannot be asked.
+/// Finds them on a picture of at most `pixels`, fewer if there are many primitives. Nothing if the scene has too many,
+/// if the form marches, or if it answers no t.
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit = {}, int pixels = 1024);
 

@@ -26,14 +26,14 @@ using scene::claim::Claim;
 
 namespace {
 
-/// What this machine lacks of what a claim requires; empty: nothing.
+/// Names the requirement of a claim that this machine does not meet; empty if it meets all.
 std::string missing_for(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
     const auto named = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
-        return "no library that is loaded has " + claim.form + "; add --plugin, --pipe or --shader";
+        return "no loaded library has " + claim.form + "; add --plugin, --pipe or --shader";
     for (const std::string& need : claim.requirements) {
-        // Of a shader: what its source says of the driver.
+        // For a shader: the driver named in its source description.
         if (need.starts_with("driver-")) {
             const auto row = std::ranges::find_if(rows, named);
             if (row == rows.end() || row->info->source.find(need.substr(7)) == std::string_view::npos)
@@ -46,9 +46,8 @@ std::string missing_for(const Claim& claim) {
         }
         const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
         if (!isa)
-            scene::toml::fail(claim.where,
-                              "unknown requirement \"" + need +
-                                  "\"; there are isa-128, isa-256, isa-512, processors-2 and driver-WORDS");
+            scene::toml::fail(claim.where, "unknown requirement \"" + need +
+                                               "\"; write isa-128, isa-256, isa-512, processors-2 or driver-WORDS");
         const auto there = intersect::simd::available_isas();
         if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
     }
@@ -70,7 +69,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
     result.measured = measured;
     if (summary) {
         result.witness = summary->worst;
-        // A wrong decision is not a matter of how far off t is.
+        // A wrong decision is shown by its first ray, not by the ray with the largest error of t.
         for (std::size_t k = 0; k < evaluate::wrong_decisions.size(); ++k) {
             const auto name = answer::outcome_names[static_cast<std::size_t>(evaluate::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
@@ -81,7 +80,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         result.trouble = scene::toml::counted(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
                                               "rays have no proved truth");
     } else if (std::isnan(measured)) {
-        result.trouble = "there is no ray to measure it on";
+        result.trouble = "no ray to measure it on";
     } else {
         result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees
                                                                        : ClaimResult::State::disagrees;
@@ -91,7 +90,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
 
 namespace {
 
-/// The row of a table whose name that is, in a form's name.
+/// Finds the row of a table by its name in the name of a form.
 template <class Row>
 std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> table, const std::string& name,
                                    const std::string& what) {
@@ -114,16 +113,15 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
         return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
                                 .spaces =
                                     [&](const std::string& name) {
-                                        return part_named(claim, intersect::space::spaces(), name, "space");
+                                        return part_named(claim, intersect::space::spaces(), name, "transform method");
                                     },
                                 .makers =
                                     [&](const std::string& name) {
-                                        return part_named(claim, scene::camera::makers(), name, "maker of rays");
+                                        return part_named(claim, scene::camera::makers(), name, "ray generator");
                                     },
                                 .hulls =
                                     [&](const std::string& name) {
-                                        return part_named(claim, intersect::hull::hulls(), name,
-                                                          "way of computing a box");
+                                        return part_named(claim, intersect::hull::hulls(), name, "bounding-box method");
                                     },
                                 .contracted = tape::contracted_row})
                     .front();
@@ -132,7 +130,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
         std::vector<std::string> known;
         for (const intersect::table::Intersector& row : rows) known.emplace_back(row.info->name);
         scene::toml::fail(claim.where, "unknown form \"" + form +
-                                           "\" (a form of your own comes by --plugin, --pipe or --shader); " +
+                                           "\" (load a form of your own with --plugin, --pipe or --shader); " +
                                            scene::toml::did_you_mean(form, known));
     }
     std::vector<const intersect::table::Intersector*> parts;
@@ -185,13 +183,14 @@ metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
 
 namespace {
 
-/// What a claim about rays asks for beyond the default metrics; empty: nothing. Claims that ask for the same are
-/// measured together, so that all other forms of their scene or sweep are spared it: a metric of one row may cost a
-/// hundred times all default ones.
+/// Slow work that a claim about rays needs beyond the default metrics; empty if it needs none. Claims that need the
+/// same work are measured together, and the other forms of their scene or sweep are spared it: one such metric of a row
+/// may take a hundred times as long as all default ones.
 std::string dear_work(const Claim& claim) {
     if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
         return "";
-    const metric::Metric* dear = nullptr;  // of worst_step_origin_fraction both worst and worst_step may be metrics
+    const metric::Metric* dear = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
+                                           // the longer name counts
     for (const metric::Metric& m : metric::metrics()) {
         const bool longer = dear == nullptr || m.name.size() > dear->name.size();
         if (!m.by_default && longer && claim.metric.starts_with(std::string(m.name) + "_")) dear = &m;
@@ -227,7 +226,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_drawn())
             scene::toml::fail(claims[i].where,
-                              "`draws` belongs to claims about random rays, and nothing is drawn here; leave it out");
+                              "`draws` belongs to claims about random rays, and this claim draws none; leave it out");
     }
     return results;
 }

@@ -15,7 +15,7 @@ using scene::claim::Claim;
 
 namespace {
 
-/// A claim is about numbers: of the culprits it names which (`culprits`).
+/// Columns that hold numbers. A claim about culprits names the operations instead (`culprits`).
 std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics) {
     auto columns = evaluate::summary_columns(metrics);
     std::erase_if(columns, [](const SummaryColumn& c) {
@@ -25,7 +25,7 @@ std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics)
     return columns;
 }
 
-/// What else a claim could have meant: columns of metrics that no claim about this subject names.
+/// Adds columns that a claim could have meant: those of metrics that no claim about this subject names.
 void add_columns_of_the_others(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
         if (m.by_run) names.emplace_back("culprit_fraction");
@@ -35,15 +35,14 @@ void add_columns_of_the_others(std::vector<std::string>& names) {
     }
 }
 
-/// What the formula calls an operation: `c` of `c = dot(o - centre, o - centre) - radius*radius`; empty where the
-/// formula has no name for it.
+/// Name of an operation in the formula: `c` of `c = dot(o - centre, o - centre) - radius*radius`. Empty if it has none.
 std::string label_in(const std::string& operation) {
     const auto equals = operation.find(" = ");
     return equals == std::string::npos ? "" : operation.substr(0, equals);
 }
 
-/// The operations of a form that a word stands for: that expression, or those of that label. InputError with
-/// did-you-mean.
+/// Operations of a form that a word stands for: the one with that expression, or those with that label. Throws
+/// InputError with did-you-mean.
 std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const blame::Setting& setting) {
     const auto operations = blame::operation_names(*claim_row(claim).form, setting);
     std::vector<std::string> meant, known;
@@ -74,13 +73,13 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         if (m.by_default || named) metrics_.push_back(&m);
     }
     for (const Claim* claim : claims) {
-        for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // refused before the work
+        for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // throws early
         add_labelled(*claim);
     }
     metrics_ = made_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
-/// `contribution_c_p50`, `cancellation_disc_max`: of what the claim's form names.
+/// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.
 void ClaimColumns::add_labelled(const Claim& claim) {
     std::vector<std::string> names;
     for (const char* kind : {"contribution", "cancellation"}) {

@@ -1,4 +1,4 @@
-// What a claim may be about: the columns of a summary by name, and the shares of culprits.
+// Quantities that a claim may be about: the columns of a summary by name, and the shares of culprits.
 #pragma once
 
 #include <vector>
@@ -9,22 +9,22 @@
 
 namespace lostbits::measure::claim {
 
-/// Whether a claim is about culprits, cancellation or contributions: those need the tape of every ray.
+/// True if a claim is about culprits, cancellation or contributions: those need the tape of every ray.
 bool asks_for_attribution(const scene::claim::Claim& claim);
 
-/// The columns that the claims about one subject name.
+/// Columns that the claims about one subject name.
 class ClaimColumns {
 public:
-    /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must
-    /// outlive this.
+    /// Throws InputError, with the claim's position, for operations and labels that its form does not have. The setting
+    /// must outlive this object.
     ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                  const blame::Setting& setting);
 
-    /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate
-    /// every form exactly.
+    /// Metrics to measure: the default ones, and those whose columns a claim names. Measuring all would evaluate every
+    /// form exactly.
     [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
-    /// The claim's column of a summary of `metrics()`; NaN where it is missing. InputError for an unknown name, with
-    /// did-you-mean.
+    /// Value of the claim's column in a summary of `metrics()`; NaN if there is none. Throws InputError for an unknown
+    /// name, with did-you-mean.
     [[nodiscard]] double value(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
 private:

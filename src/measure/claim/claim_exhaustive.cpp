@@ -1,4 +1,4 @@
-// Claims that rest on every float of a range.
+// Measures claims about every float of a range.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ using sweep::RangeFinding;
 
 namespace {
 
-/// The file's ray of that name; its only one where the claim names none.
+/// Index of the file's ray with that name, or of its only ray if the claim names none.
 std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveFile& file) {
     if (ray.empty() && file.rays.size() == 1) return 0;
     std::vector<std::string> names;
@@ -30,11 +30,11 @@ std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveF
     if (found < names.size()) return found;
     scene::toml::fail(claim.where, ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
                                                      scene::toml::did_you_mean("", names)
-                                               : "there is no ray \"" + ray + "\" in " + file.id + "; " +
+                                               : "unknown ray \"" + ray + "\" in " + file.id + "; " +
                                                      scene::toml::did_you_mean(ray, names));
 }
 
-/// The range of a claim, as a file with that range alone and with its one ray.
+/// The file, with only the range and the ray of a claim.
 ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, ExhaustiveFile file) {
     const std::size_t ray = ray_of(claim, on.ray, file);
     file.rays = {file.rays[ray]};
@@ -44,7 +44,7 @@ ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, 
     return file;
 }
 
-/// A tally's numbers by name. `wrong` counts every decision that is not right.
+/// A number of a tally, with its name. `wrong` counts every wrong decision.
 struct Number {
     std::string name;
     double value;
@@ -83,12 +83,12 @@ std::size_t event_of(const Claim& claim) {
         if (claim.onset == name && claim.threshold == std::max(event.lost_bits, 1)) return e;
     }
     scene::toml::fail(claim.where, "no onset of \"" + claim.onset +
-                                       "\" at that threshold; over every float there are false_miss, false_hit, "
-                                       "not_a_number, of meshes wrong_object, crack, double_hit and out_of_order "
-                                       "(1), and lost_bits (1, 4, 8, 12)");
+                                       "\" at that threshold; a sweep over every float has false_miss, false_hit, "
+                                       "not_a_number and, for meshes, wrong_object, crack, double_hit and out_of_order "
+                                       "(threshold 1), and lost_bits (thresholds 1, 4, 8, 12)");
 }
 
-/// The float that the number was taken from: an onset, the first wrong decision, or the worst error.
+/// The float that the number comes from: an onset, the first wrong decision, or the worst error.
 std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally& tally) {
     if (!claim.onset.empty()) return tally.first[event_of(claim)];
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
@@ -121,17 +121,17 @@ TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
     TestedForm row = row_for(claim, file);
     if (row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
-                          claim.subject_name() + " tries every number of f32 alone; write format = \"f32\"");
+                          claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
     if (!row.judged) row.judged = file.convention;
     return row;
 }
 
-/// What a row comes to, of whose ranges these are the findings.
+/// Judges a row by its findings in all ranges.
 ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
     FloatTally all;
     std::optional<float> onset;
-    // Where there are two ranges, all floats from each zero outwards, an onset is that of the first that has one.
+    // With two ranges, of all floats from each zero outwards, the onset is that of the first range that has one.
     for (const RangeFinding& finding : findings) {
         if (finding.row != row) continue;
         all.append(finding.tally);
@@ -145,13 +145,13 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
     result.floats = all.floats();
     if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
     require_proof(result, all.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
-    // What names a ray by its numbers names its solids so, and a mesh has too many.
+    // A command names a ray and its primitives by their numbers, and a mesh has too many.
     if (const auto place = witness_place(claim, all); place && !request.sweep.mesh)
         result.witness = witness_at(request, row, *place);
     return result;
 }
 
-/// Claims about one range of one ray: the truth of a float is found once for all of them.
+/// Claims about one range of one ray. The truth of a float is found once for all of them.
 struct OfRange {
     ExhaustiveFile file;
     ClaimsOn<SweepSubject> claims = {};

@@ -1,5 +1,5 @@
-// Claims about what mending makes of a form: the most accurate other way of writing it, and how many operations must be
-// wider.
+// Measures claims about mending a form: the most accurate other way of writing it, and the number of operations that
+// have to be wider.
 #include <map>
 #include <optional>
 #include <tuple>
@@ -16,7 +16,7 @@ using scene::file::Scene;
 
 namespace {
 
-/// A form that is mended, as its claims ask.
+/// A form that is mended, with the requirement of its claims.
 class Bench {
 public:
     Bench(const Claim& claim, const MendSubject& on, const ClaimRequest& run) : scene_(one_scene(claim, run)) {
@@ -31,12 +31,13 @@ public:
         own_ = find_or_blame_claim(claim, [&] { return own_worth(request_, tape_, *judge_); });
     }
 
-    /// The most accurate other way of writing it; nothing where none is more accurate.
+    /// The most accurate other way of writing the form; nothing if none is more accurate.
     std::optional<mend::Rewritten> rewritten() {
         if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_, *judge_);
         return rewriting_->found.empty() ? std::nullopt : std::optional(rewriting_->found.front());
     }
-    /// The operations of a set from which none can be taken; NaN where it does not meet the wish with all of them.
+    /// Number of operations in a set that cannot be reduced; NaN if the requirement is not met with all operations
+    /// wider.
     double wider_operations() {
         if (own_.meets(request_.wish)) return 0;
         const FloatFormat wider = tape::wider_than(request_.row.format.parameters, false);
@@ -64,14 +65,14 @@ double value_of(const Claim& claim, Bench& bench) {
     if (claim.metric == "operations") return of_rewritten([](const auto& r) { return r.operations; });
     if (claim.metric == "wider_operations") return bench.wider_operations();
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric +
-                                          "\"; of a form that is mended there are wrong_fraction, kept_bits and "
-                                          "operations of the best that it is written as, and wider_operations");
+                                          "\"; for a form that is mended, write wrong_fraction, kept_bits or "
+                                          "operations (of the best other way of writing it), or wider_operations");
 }
 
 }  // namespace
 
 void measure(const ClaimsOn<MendSubject>& claims, const ClaimRequest& run) {
-    // Claims that ask the same of a form are measured together.
+    // Claims about the same form, format, size and requirement are measured together.
     const auto what = [](const Claim& c, const MendSubject& on) {
         return std::tuple(c.form, c.format, on.wish.bits, on.wish.wrong, on.wish.at, on.size);
     };

@@ -1,5 +1,5 @@
-// Claims about the origin of the next ray: which strategies are safe on a scene, and by how much too large they are.
-// And about one question put in two ways: how often a form answers it differently.
+// Measures claims about the origin of the next ray: the safe strategies on a scene, and by what factor they are too
+// large. Also measures claims about consistency: how often a form answers the same question differently.
 #include <algorithm>
 
 #include "measure/claim/claim_subjects.hpp"
@@ -19,8 +19,8 @@ using scene::claim::OffsetsSubject;
 
 namespace {
 
-/// What is asked of the points of one row: no more than its claims name, for every strategy has rays of its own, and
-/// the search for a quiet offset takes as long as all the rest.
+/// Work of one row, limited to what its claims name: every strategy has rays of its own, and the search for a quiet
+/// offset takes as long as all the rest.
 struct RowClaims {
     offset::OffsetRow row;
     ClaimsOn<OffsetsSubject> claims = {};
@@ -28,7 +28,7 @@ struct RowClaims {
     bool quiet = false;
 };
 
-/// The fault that a metric is a share of; of any other metric a self-hit, if there is one.
+/// The ray with the fault that a metric counts; for any other metric, a self-hit if there is one.
 std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::StrategySummary& s) {
     for (std::size_t f = 0; f < offset::fault_names.size(); ++f) {
         if (claim.metric == std::string(offset::fault_names[f]) + "_fraction") return s.first[f];
@@ -39,7 +39,7 @@ std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::Strateg
     return std::nullopt;
 }
 
-/// The respawned ray with the solid that it leaves: it pastes into `lostbits explain`.
+/// The respawned ray with the primitive that it leaves, in a form that `lostbits explain` accepts.
 evaluate::WorstRay witness_of(const offset::BadRay& bad) {
     const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad.ray.ray));
     given->solids = {bad.solid};
@@ -61,14 +61,14 @@ offset::Side side_of(const Claim& claim, const OffsetsSubject& on) {
     return static_cast<offset::Side>(place_of_word(claim, "side", on.side, offset::side_names));
 }
 
-/// The row of a claim, with the claim in it.
+/// Finds or adds the row of a claim, and adds the claim to it.
 RowClaims& row_of(const ClaimOn<OffsetsSubject>& asked, const scene::file::Scene& scene, std::vector<RowClaims>& rows) {
     const Claim& claim = asked.claim;
     const evaluate::TestedForm row = row_for(claim, scene);
     if (!offset::can_be_asked(*row.form))
         scene::toml::fail(claim.where, claim.form +
-                                           " does not tell where a ray meets a sphere or a box, so there "
-                                           "is no point to leave; name another form");
+                                           " does not answer the t at which a ray meets a primitive, so there "
+                                           "is no point for the next ray to start from; name another form");
     const auto point =
         static_cast<offset::HitPoint>(place_of_word(claim, "points", asked.on.points, offset::point_names));
     const offset::OffsetRow of_claim{row, point};
@@ -101,7 +101,7 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
         const offset::Strategy* const strategy = strategy_of(asked.claim, asked.on);
         if (std::ranges::find(row.strategies, strategy) == row.strategies.end()) row.strategies.push_back(strategy);
         row.quiet |= asked.claim.metric.find("quiet") != std::string::npos;
-        side_of(asked.claim, asked.on);  // before the work
+        side_of(asked.claim, asked.on);  // throws before the measurement starts
     }
     for (const RowClaims& row : rows) {
         const auto summaries = offset::run_offsets({.scene = scene,
@@ -115,19 +115,19 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
 
 namespace {
 
-/// The check of a claim, which can be asked of its form.
+/// Finds the check of a claim; it must apply to the claim's form.
 const Check& check_of(const Claim& claim, const std::string& name, const scene::file::Scene& scene,
                       const evaluate::TestedForm& row) {
     const auto all = consistency::checks();
     const Check& check = all[place_of_word(claim, "check", name, all, &Check::name)];
     if (consistency::can_be_compared(*row.form) && check.applies(scene, *row.form)) return check;
-    scene::toml::fail(claim.where, "check \"" + name + "\" cannot be asked of " + claim.form + " on " + scene.id +
-                                       ": light needs a [light], segment, short and light need a form that takes "
-                                       "directions of any length, and forms that march are not compared; name another "
+    scene::toml::fail(claim.where, "check \"" + name + "\" does not apply to " + claim.form + " on " + scene.id +
+                                       ": light needs a [light]; segment, short and light need a form that takes "
+                                       "directions of any length; forms that march are not compared. Name another "
                                        "check or form");
 }
 
-/// The ray of the first question, with its solids: it pastes into `lostbits explain`.
+/// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
 evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& shown) {
     const scene::rays::RayGroup& first = shown.rays.first;
     return {.x = shown.x,

@@ -1,4 +1,4 @@
-// Claims about scenes: mapped, marched through, or rendered.
+// Measures claims about scenes: mapped, marched through, or rendered.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,11 +24,10 @@ using truth::missing;
 
 namespace {
 
-/// One number of one sample of a march along the scene's first pixel.
+/// One number of one step of a march along the scene's first pixel.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
     const TestedForm row = row_for(claim, scene);
-    if (!row.form->log)
-        scene::toml::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
+    if (!row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0, limit));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
@@ -45,15 +44,14 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
     return found->second;
 }
 
-/// What a map has of the pixel that a claim is about, as if it had no other.
+/// Summary of the pixel of a claim, as if the map had no other.
 evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& row,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
     const auto [x, y] = *claim.on<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
-        scene::toml::fail(claim.where,
-                          fmt::format("pixel [{}, {}] is outside of the picture of {}, which has columns 0 "
-                                      "to {} and rows 0 to {}",
-                                      x, y, scene.id, scene.width - 1, scene.height - 1));
+        scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
+                                                   "to {} and rows 0 to {}",
+                                                   x, y, scene.id, scene.width - 1, scene.height - 1));
     const auto* const maker = scene::rays::maker_of(*row.form);
     const scene::file::Scene made = maker ? with_rays(scene, *maker) : scene;
     culling::Culler culler(made);
@@ -66,7 +64,7 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
     return of_pixel;
 }
 
-/// What a picture can be made by.
+/// Accepts only forms that can render a picture.
 struct Rendered {
     [[nodiscard]] static bool meets(Shapes forms) { return forms == scene::file::rendered_shape; }
 };
@@ -111,7 +109,7 @@ void measure(const ClaimsOn<SceneSubject>& claims, const ClaimRequest& run) {
     }
 }
 
-/// The claims about one rendered scene: one run, all stages that they name.
+/// Measures the claims about one rendered scene in one run, with all stages that they name.
 void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const scene::file::Scene scene = one_scene(first, run);

@@ -1,4 +1,4 @@
-// Claims about one subject are measured together.
+// Measures claims about one subject together.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace lostbits::measure::claim {
 
-/// The place of a word among the names of a list; the claim says what is wrong with it.
+/// Index of a word among the names of a list. Throws InputError with the claim's position for an unknown word.
 template <class List, class Name = std::identity>
 std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, const std::string& word, const List& list,
                           Name name = {}) {
@@ -25,18 +25,18 @@ std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, co
                       "unknown " + std::string(what) + " \"" + word + "\"; " + scene::toml::did_you_mean(word, names));
 }
 
-/// A claim, what it is measured on, and what becomes of it.
+/// A claim, its subject, and its result.
 template <class Kind>
 struct ClaimOn {
     const scene::claim::Claim& claim;
     const Kind& on;
     ClaimResult& result;
 };
-/// Claims about one scene, sweep or table, which are measured together.
+/// Claims about one scene, sweep or table, measured together.
 template <class Kind>
 using ClaimsOn = std::vector<ClaimOn<Kind>>;
 
-/// One for each kind of subject.
+/// One function for each kind of subject.
 void measure(const ClaimsOn<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
 void measure(const ClaimsOn<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
 void measure(const ClaimsOn<scene::claim::RenderSubject>& claims, const ClaimRequest& run);
@@ -48,20 +48,22 @@ void measure(const ClaimsOn<scene::claim::TableSubject>& claims, const ClaimRequ
 void measure(const ClaimsOn<scene::claim::TimingSubject>& claims, const ClaimRequest& run);
 void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimRequest& run);
 
-/// Of those, the claims about a sweep over every float.
+/// Measures those of the claims that are about a sweep over every float.
 void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
-/// Of boxes one after another: the share of seeded rays (`scene::box::BoxFamily`'s number of eight adjoining boxes,
-/// aimed at their shared edges, from `distance` sizes) on which the nearest t over all boxes differs, or the decision
-/// does, when every box is given the closest t so far as the end of the ray.
+/// Measures what it changes to pass on the nearest hit. The rays are seeded rays of `scene::box::BoxFamily`, eight
+/// adjoining boxes aimed at their shared edges from `distance` sizes away. Every box in turn gets the closest t so far
+/// as the end of the ray. Returns the share of the rays on which the nearest t over all boxes, or the decision, then
+/// differs.
 double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit);
 
-/// A claim holds of every draw or it does not hold.
+/// Adds a further draw: a claim holds only if it holds for every draw.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
 
-/// On the subject's own draw and on further ones: `measure_draw(claims, draw)`, `draw` seeds after its own.
+/// Measures claims on the subject's own draw and on further ones, with `measure_draw(claims, draw)`; `draw` counts the
+/// seeds after its own.
 template <class Kind, class Measure>
 void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
@@ -80,19 +82,19 @@ void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const 
     }
 }
 
-/// The one scene of the claim's subject; the claim says what is wrong with it.
+/// Loads the one scene of the claim's subject. Throws InputError with the claim's position.
 scene::file::Scene one_scene(const scene::claim::Claim& claim, const ClaimRequest& run);
 
-/// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
+/// Result of a claim with this measurement; `summary` (may be null) is the source of the number.
 ClaimResult judge(const scene::claim::Claim& claim, double measured, const evaluate::FormSummary* summary);
 
-/// Broken where so many of what was measured are not proved: "1 pixel has no proved truth", "3 pixels have …".
+/// Marks the result as broken if some truths are not proved: "1 pixel has no proved truth", "3 pixels have …".
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several);
 
-/// The format of a claim. InputError for an unknown name.
+/// The format of a claim. Throws InputError for an unknown name.
 Format claim_format(const scene::claim::Claim& claim);
 
-/// The rows of several claims, each once: its place.
+/// Index of the row among those of several claims; adds it if it is new.
 inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& row) {
     const auto found = std::ranges::find(rows, row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
@@ -107,17 +109,17 @@ std::vector<const scene::claim::Claim*> claims_in(const ClaimsOn<Kind>& claims) 
     return all;
 }
 
-/// The form and format of a claim about a scene or sweep that the form can be asked about.
+/// Form and format of a claim about a scene or sweep. Throws InputError if the form cannot handle it.
 template <class Rays>
 evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays) {
     const evaluate::TestedForm row = claim_row(claim);
     if (rays.meets(row.form->shapes())) return row;
-    scene::toml::fail(claim.where, claim.subject_name() + " is not handled by " + claim.form + ": it has " +
-                                       (!is_solid(row.form->shape) ? "no [march] table" : "other solids") +
+    scene::toml::fail(claim.where, claim.form + " cannot handle " + claim.subject_name() + ": it has " +
+                                       (!is_solid(row.form->shape) ? "no [march] table" : "other primitives") +
                                        "; name another form, or another scene or sweep");
 }
 
-/// What `find` finds for a claim; an unknown name is the claim's fault, so its place starts the message.
+/// Result of `find`. If it throws InputError, the claim's position is put in front of the message.
 template <class Find>
 auto find_or_blame_claim(const scene::claim::Claim& claim, const Find& find) {
     try {

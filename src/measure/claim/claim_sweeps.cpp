@@ -1,4 +1,4 @@
-// Claims about sweeps: along axes, over named cases, or the worst ray that a search finds, its metric as `worst`.
+// Measures claims about sweeps: along axes, over named cases, or about the worst ray of a search (metric `worst`).
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -54,7 +54,7 @@ std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& 
     return metric::Bounds{end("_low"), end("_high")};
 }
 
-/// The claim's place on the axes. InputError where a sweep has none.
+/// Position of the claim on the axes. Throws InputError if it does not fit them.
 std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sweep::SweepFile& sweep) {
     const auto& [claim, on, result] = asked;
     const auto* const part = on.part_if<SweepSubject::At>();
@@ -73,11 +73,11 @@ std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sw
     return at;
 }
 
-/// Claims about one place of a sweep, or about onsets of it.
+/// Claims about one position on the axes of a sweep, or about its onsets.
 struct OnAxes {
     const ClaimsOn<SweepSubject>& claims;
     const ClaimColumns& columns;
-    const std::vector<std::size_t>& rows;  ///< of each claim, among those of the request
+    const std::vector<std::size_t>& rows;  ///< row of each claim, among those of the request
 };
 
 void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
@@ -108,7 +108,7 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
                 claim.where,
                 "no onset of \"" + claim.onset + "\" by \"" + claim.statistic +
                     "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
-                    "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
+                    "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
         result = judge(claim, found->found ? found->first_bad : missing, nullptr);
         if (request.sweep.is_drawn()) result.samples = found->views;
@@ -116,7 +116,7 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
     }
 }
 
-/// The claims about a place of a sweep along axes, or without one about its onsets.
+/// Position on the axes of a sweep; absent for claims about onsets.
 using AxesPlace = std::optional<std::vector<double>>;
 
 void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, const scene::sweep::SweepFile& sweep,
@@ -145,7 +145,7 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
-            scene::toml::fail(first.where, "sweep \"" + called + "\" is a search; claims are about axes or cases");
+            scene::toml::fail(first.where, "sweep \"" + called + "\" is a search; a claim needs axes or cases");
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
     }
@@ -154,7 +154,7 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
             scene::toml::fail(claim.where,
                               "`exhaustive = true` belongs to claims about sweeps over every float, and "
                               "sweep \"" +
-                                  called + "\" is none; leave it out");
+                                  called + "\" is of another kind; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     std::map<AxesPlace, ClaimsOn<SweepSubject>> together;
@@ -178,8 +178,8 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
     const scene::sweep::SearchFile file(path);
     const metric::Metric* const searched = metric::find_metric(file.metric);
     if (searched == nullptr)
-        scene::toml::fail(first.where, "search \"" + called + "\" asks for the unknown metric \"" + file.metric +
-                                           "\"; `lostbits list metrics` shows them");
+        scene::toml::fail(first.where, "search \"" + called + "\" maximises the unknown metric \"" + file.metric +
+                                           "\"; `lostbits list metrics` shows the metrics");
     sweep::WorstRequest request{
         .search = file,
         .rows = {},
@@ -188,12 +188,12 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
     std::vector<std::size_t> rows;
     for (const auto& [claim, on, result] : claims) {
         if (claim.metric != "worst")
-            scene::toml::fail(claim.quantity, "of a search only `metric = \"worst\"` is measured: the largest " +
+            scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
                                                   file.metric + " that it finds");
         const evaluate::TestedForm row = claim_row(claim);
         if (row.form->shape != file.shape)
-            scene::toml::fail(claim.where, "search \"" + called + "\" is not about the solids of " + claim.form +
-                                               "; name a form of its shape");
+            scene::toml::fail(claim.where, "search \"" + called + "\" has other primitives than " + claim.form +
+                                               " takes; name a form of its shape");
         rows.push_back(place_or_added(request.rows, row));
     }
     const auto found = sweep::find_worst(request);
@@ -201,7 +201,7 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
         const auto& [claim, on, result] = claims[k];
         const auto& worst = found[rows[k]];
         if (!worst) {
-            result.trouble = "no ray of the search's ranges is hit";
+            result.trouble = "no ray of the search's ranges hits";
             continue;
         }
         const bool decided = worst->outcome == answer::Outcome::agree_hit;

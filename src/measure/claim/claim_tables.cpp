@@ -1,5 +1,5 @@
-// Claims about tables: of arithmetic, how often a sum or a difference does not notice one of its operands; and of what
-// the nearest hit so far does as the end of a ray.
+// Measures claims about tables: how often the result of a sum or a difference does not depend on one of its operands,
+// and what passing on the nearest hit as the end of a ray changes.
 #include <cmath>
 #include <random>
 #include <string_view>
@@ -18,17 +18,17 @@ using truth::FormatInputs;
 
 namespace {
 
-/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not
-/// influence.
+/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result does not depend on an
+/// operand.
 struct ArithmeticRow {
     std::string_view name;
-    int samples;  ///< significands that it draws; 0: it is about one number, or about none
+    int samples;  ///< number of significands drawn; 0: the row is about fixed numbers
     double (*fraction)(const FloatFormat&, double at, std::uint64_t seed);
 };
 
 constexpr int tried = 4096;
 
-/// The share of significands in [1, 2) on which the test says yes; `unit` gives further numbers in [0, 1).
+/// Share of significands in [1, 2) on which the test is true; `unit` gives further numbers in [0, 1).
 template <class Test>
 double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
     std::mt19937_64 engine(seed);
@@ -42,7 +42,7 @@ double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
     return static_cast<double>(yes) / tried;
 }
 
-/// a ± a/ratio = a, the quotient rounded.
+/// a ± a/ratio = a, with the quotient rounded.
 template <int sign>
 double sum(const FloatFormat& f, double ratio, std::uint64_t seed) {
     return share(f, seed,
@@ -76,7 +76,7 @@ double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
     });
 }
 
-/// r² − l² is the same for the number after r², l = share·r.
+/// r² − l² is the same if r² is replaced by the next number; l = share·r.
 double radius_over_l(const FloatFormat& f, double part, std::uint64_t seed) {
     return share(f, seed, [&](double r, const auto&) {
         const double r2 = rounding::mul(r, r, f), l = rounding::to_format(part * r, 0, f), l2 = rounding::mul(l, l, f);
@@ -103,7 +103,7 @@ constexpr ArithmeticRow measured_rows[] = {
     {"r2_minus_l2", tried, radius_over_l},
 };
 
-/// The nearest t over the solids, infinite for a miss.
+/// The nearest t over the primitives, infinite for a miss.
 std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
@@ -123,7 +123,7 @@ std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs&
 double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit) {
     if (!told_end(row.form->shape))
-        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
+        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray; name a form that does");
     scene::box::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;
@@ -167,7 +167,7 @@ void measure(const ClaimsOn<TableSubject>& claims, const ClaimRequest& run) {
             if (on.name != "arithmetic" && on.name != "closest_as_tmax") {
                 scene::toml::fail(claim.where,
                                   "unknown table \"" + on.name +
-                                      "\"; there are \"arithmetic\" and \"closest_as_tmax\", whose rows are box forms");
+                                      "\"; write \"arithmetic\" or \"closest_as_tmax\", whose rows are box forms");
             }
             if (claim.metric != "fraction")
                 scene::toml::fail(claim.where,

@@ -1,6 +1,6 @@
-// Claims about speed: quotients of rates within one run. And about what is chosen for a scene: which forms meet a wish
-// there, which of them is the cheapest, and times over times on the scene's own rays, each of the claim's form in its
-// format, in the widest registers that are in use.
+// Measures claims about speed: quotients of rates within one run. Also measures claims about a choice for a scene:
+// which forms meet a requirement, which of them is the cheapest, and ratios of times on the scene's own rays. Each time
+// is that of a claim's form in its format, in the widest registers in use.
 #include <algorithm>
 
 #include "measure/choice/candidates.hpp"
@@ -34,13 +34,13 @@ Works on_all(std::span<const TimedKernel> kernels, std::size_t bytes) {
 constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {
     {"one_ray_many_boxes", on_all<speed::BoxWork>}, {"many_rays_one_solid", on_all<speed::RayWork>}};
 
-/// A work for each kernel, on the same data.
+/// Makes a work for each kernel, on the same data.
 std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
     const std::string& called = claim.subject_name();
     const auto named = std::ranges::find(works, called, [](const auto& each) { return each.first; });
     if (named == std::end(works))
         scene::toml::fail(claim.where,
-                          "unknown work \"" + called + "\"; there are one_ray_many_boxes and many_rays_one_solid");
+                          "unknown work \"" + called + "\"; write one_ray_many_boxes or many_rays_one_solid");
     std::vector<TimedWork> all;
     auto made = named->second(kernels, bytes);
     for (std::size_t i = 0; i < made.size(); ++i) {
@@ -55,7 +55,7 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
     return all;
 }
 
-/// The median over interleaved repetitions of (seconds an item of `over`)/(seconds an item of the kernel).
+/// Median over interleaved repetitions of (seconds for one item of `over`)/(seconds for one item of the kernel).
 double speed_ratio(const Claim& claim, const TimingSubject& t, std::size_t bytes, intersect::process::StopToken stop) {
     const auto work =
         make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
@@ -64,7 +64,7 @@ double speed_ratio(const Claim& claim, const TimingSubject& t, std::size_t bytes
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-/// The median of (rate of all allowed processors)/(rate of one · their number); 1 is perfect.
+/// Median of (rate of all allowed processors)/(rate of one · their number); 1 is perfect.
 double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::size_t bytes,
                              intersect::process::StopToken stop) {
     const auto work = [&](std::size_t) {
@@ -79,11 +79,10 @@ double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::si
 void measure(const ClaimsOn<TimingSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, t, result] : claims) {
         const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
-        if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; there are l1, l2 and memory");
+        if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; write l1, l2 or memory");
         const std::string_view metric = t.all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
-            scene::toml::fail(claim.where,
-                              "unknown metric \"" + claim.metric + "\"; here it is " + std::string(metric));
+            scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
         const auto measured = t.all_processors ? speedup_per_processor : speed_ratio;
         result = judge(claim, measured(claim, t, bytes, run.stop), nullptr);
     }
@@ -94,19 +93,19 @@ using scene::file::Scene;
 
 namespace {
 
-/// The row of a form and format that can be timed on the scene.
+/// Form and format of a claim, which must be possible to time on the scene.
 TestedForm timed_row(const Claim& claim, const Scene& scene) {
     const TestedForm row = row_for(claim, scene);
     if (!is_solid(row.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
-                                           "form of spheres or boxes");
+                                           "form of a primitive, such as sphere.half_b");
     if (row.format.engine == Format::Engine::rounded)
-        scene::toml::fail(claim.where, claim.format + " is emulated, so its time says nothing; write f32 or f64");
+        scene::toml::fail(claim.where, claim.format + " is emulated, so its time means nothing; write f32 or f64");
     return row;
 }
 
-/// The claim's row, and after it every other that fits the scene, in the formats that the wish names.
+/// The claim's row, followed by every other form that fits the scene, in the formats that the requirement names.
 std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
     std::vector<TestedForm> rows{timed_row(claim, scene)};
     for (const std::string& name : others.formats) {
@@ -131,7 +130,8 @@ ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene&
     return request;
 }
 
-/// The median over interleaved repetitions of (its seconds a ray and solid)/(those of `over`).
+/// Median over interleaved repetitions of (seconds of the claim's row)/(seconds of `over`), each for one ray and
+/// primitive.
 double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Scene& scene,
                   intersect::process::StopToken stop) {
     Claim other = claim;
@@ -145,14 +145,14 @@ double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Sce
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-/// 1 where it meets the wish, else 0.
+/// 1 if the row meets the requirement, else 0.
 double meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = {timed_row(claim, scene)};
     return worth_of(request).front().meets(request.wish) ? 1 : 0;
 }
 
-/// How many of the other forms that fit the scene meet it, in each of the formats.
+/// Number of other forms that fit the scene and meet the requirement, over all of the formats.
 double others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
                         intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
@@ -164,7 +164,7 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
         std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
 }
 
-/// 1 where it is the cheapest of all that meet the wish, else 0.
+/// 1 if the row is the cheapest that meets the requirement, else 0.
 double chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = candidates_of(claim, others, scene);
@@ -180,12 +180,12 @@ double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequ
     const Scene scene = one_scene(claim, run);
     if (const auto* const over = std::get_if<ChoiceSubject::Over>(&on.against)) {
         if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
-        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; beside `over` it is time_ratio");
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
     }
     const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
     if (named == std::end(of_wishes))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
-                                           "\"; of a wish there are meets, others_that_meet and chosen");
+                                           "\"; with a requirement, write meets, others_that_meet or chosen");
     return named->second(claim, std::get<Others>(on.against), scene, run.stop);
 }
 

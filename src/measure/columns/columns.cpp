@@ -18,8 +18,8 @@ using truth::missing;
 
 namespace {
 
-/// Null where every ray is left to the scalar functions. The function that makes a table was compiled for its width
-/// too, so a table of a width that the machine has not is not made.
+/// Kernels of a width; null if every ray is left to the scalar functions. The function that makes a table was itself
+/// compiled for its width, so no table is made for a width that the machine lacks.
 const RawKernels* kernels_of(Isa isa) {
     if (isa == Isa::scalar) return nullptr;
 #if defined(__x86_64__)
@@ -36,7 +36,7 @@ const RawKernels* kernels_of(Isa isa) {
     return &w128;
 }
 
-/// Of what is the same in every width, and has no scalar function beside it.
+/// Kernels for results that are the same in every width and have no scalar function.
 const RawKernels& kernels() {
     const RawKernels* const chosen = kernels_of(intersect::simd::current_isa());
     return chosen ? *chosen : *kernels_of(Isa::w128);
@@ -51,7 +51,8 @@ void leave_all(std::span<const double> answers, std::initializer_list<double*> o
     }
 }
 
-/// As `TrueLengths::put`, of lengths that doubles hold: each is 0 for a miss, and else hi is normal.
+/// Does the same as `TrueLengths::put`, for lengths that doubles hold: each is 0 for a miss, and otherwise hi is
+/// normal.
 void put_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::size_t end, TrueLengths& to) {
     constexpr std::uint64_t exponent = std::uint64_t{0x7ff} << 52;
     for (std::size_t i = begin; i < end; ++i) {
@@ -60,13 +61,13 @@ void put_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::
         const bool held = binade >= 0x1p-400 && binade <= 0x1p+400 && (lo == 0 || std::fabs(lo) >= binade * 0x1p-200);
         to.hi[i] = held ? hi : missing;
         to.lo[i] = lo;
-        // hi a power of two and lo towards zero: t* lies in the binade below.
+        // If hi is a power of two and lo points towards zero, t* lies in the binade below.
         to.inverse[i] = (hi == binade && lo < 0 ? 2.0 : 1.0) / binade;
     }
 }
 
-/// Room for every place of a block, and what the kernel put there at the end of `left`.
-constexpr std::size_t block = 512;  // columns of solids stay in the first-level cache
+/// Buffer for the indices that a kernel leaves in one block; `append` adds them to `left`.
+constexpr std::size_t block = 512;  // columns of primitives stay in the first-level cache
 struct Places {
     std::array<std::uint32_t, block> numbers;
 

@@ -1,5 +1,5 @@
-// The loops over columns: one translation unit for each register width includes this, and sees plain pointers only
-// (see intersect/simd/packed_batch.hpp for why).
+// Loops over columns. One translation unit for each register width includes this file, and sees only plain pointers
+// (intersect/simd/packed_batch.hpp explains why).
 #pragma once
 
 #include <limits>
@@ -30,7 +30,7 @@ struct LaneBits {
 
 using stages::TwoWords;
 
-/// The numbers from place i on that a pass of a loop sees: a whole pack, or the `left` last ones, with NaN behind them.
+/// Numbers of one pass of a loop, from index i on: a whole pack, or the last `left` numbers followed by NaN.
 template <class P, bool whole>
 struct Pass {
     std::size_t i, left;
@@ -54,7 +54,7 @@ struct Pass {
             for (std::size_t k = 0; k < left; ++k) column[i + k] = lanes[k];
         }
     }
-    /// Remembers the lanes of a mask, which is rarely set at all.
+    /// Records the lanes of a mask; few masks have any lane set.
     template <class Mask>
     void leave(const Mask& mask, RawLeft& rays) const {
         if (!any_of(mask)) return;
@@ -73,13 +73,15 @@ template <class P, class Step>
     if (i < size) step(Pass<P, false>{i, size - i});
 }
 
-/// What `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference say, to the bit.
+/// Computes the same as `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference, to the bit.
 ///
-/// They work in units of 2^e, where e is the larger exponent; here everything stands in its own size. All steps but the
-/// last are sums of doubles, so that is the same unless a step overflows or goes below 2^-1022. Of |t|, |hi| within
-/// [2^-400, 2^401] and lo = 0 or |lo| ≥ 2^-600 every sum is 0 or a multiple of 2^-653 below 2^402; times
-/// 2^(p − 1)/2^max(⌊log2 hi⌋, emin) ≤ 2^452, or divided by hi + lo, that stays within [2^-1054, 2^854], and below
-/// 2^-1022 it cannot come: |difference| is at least an ulp of lo, 2^-253 of hi. What is not in that range is left.
+/// Those work in units of 2^e, where e is the larger exponent; here every number keeps its own size. All steps but the
+/// last are sums of doubles, so the results are the same unless a step overflows or goes below 2^-1022.
+///
+/// With |t|, |hi| within [2^-400, 2^401] and lo = 0 or |lo| ≥ 2^-600, every sum is 0 or a multiple of 2^-653 below
+/// 2^402. Multiplied by 2^(p − 1)/2^max(⌊log2 hi⌋, emin) ≤ 2^452, or divided by hi + lo, it stays within [2^-1054,
+/// 2^854]. It does not go below 2^-1022: |difference| is at least an ulp of lo, 2^-253 of hi. Rays outside of that
+/// range are left.
 template <class Width>
 [[gnu::flatten]] void errors_of(RawErrors& batch) {
     using P = Pack<double, Width>;
@@ -121,8 +123,8 @@ template <class Width>
     for (std::size_t k = 0; k < P::lanes; ++k) batch.largest = batch.largest < lanes[k] ? lanes[k] : batch.largest;
 }
 
-/// Each lane a sum in two doubles: with sizes of at most 2^900 nothing overflows before 2^123 samples, and what a step
-/// leaves out is at most 2^-53 of the low part.
+/// Adds sizes, with a sum in two doubles in each lane. With sizes of at most 2^900 nothing overflows before 2^123
+/// samples, and a step leaves out at most 2^-53 of the low part.
 template <class Width>
 [[gnu::flatten]] void add_sizes(RawSizes& batch) {
     using P = Pack<double, Width>;
@@ -139,7 +141,7 @@ template <class Width>
         count += select(x >= P(0), P(1), P(0));
         zeros += select(x <= P(0), P(1), P(0));
         beyond += select(x > P(largest_summed), P(1), P(0));
-        largest = max(x, largest);  // a NaN leaves it
+        largest = max(x, largest);  // a NaN leaves it unchanged
         const TwoWords<P> sum = stages::sum_of<P>(hi[k], select(x <= P(largest_summed), x, P(0)));
         hi[k] = sum.hi;
         lo[k] += sum.lo;
@@ -167,7 +169,7 @@ template <class Width>
     }
 }
 
-/// The compiler makes packs of it. A hit at NaN never beats another hit; alone it stays.
+/// Written for the compiler to vectorise. A hit at NaN never replaces another hit; it stays if it is the only one.
 template <class F, class Width>
 [[gnu::flatten]] void keep_nearest(const RawHits<F>& batch) {
     const F* __restrict const t = batch.t;
@@ -186,8 +188,8 @@ template <class F, class Width>
     }
 }
 
-/// o + t·d as the format computes it. A product of two floats is exact in double; their sum rounded to double and then
-/// to float is rounded as if once, since 53 ≥ 2·24 + 2.
+/// o + t·d as the format computes it. A product of two floats is exact in double. Their sum, rounded to double and then
+/// to float, is the same as if rounded once, since 53 ≥ 2·24 + 2.
 template <bool binary32, class P, class Width>
 [[gnu::always_inline]] inline P along(const P& origin, const P& t, const P& direction) {
     if constexpr (binary32) {

@@ -1,4 +1,4 @@
-// The loops over columns in registers of one width; compiled once for each.
+// Loops over columns in registers of one width; compiled once for each.
 #include "measure/columns/kernels.hpp"
 #include "number/width.hpp"
 

@@ -1,4 +1,4 @@
-// What columns.cpp and the translation units of the instruction sets say to each other: plain pointers.
+// Interface between columns.cpp and the translation units of the instruction sets: plain pointers.
 #pragma once
 
 #include <cstddef>
@@ -8,71 +8,71 @@
 
 namespace lostbits::measure::columns {
 
-/// The widest registers hold so many doubles.
+/// Number of doubles in the widest registers.
 inline constexpr std::size_t most_lanes = 8;
 
-/// Which rays a kernel leaves to the scalar functions: `count` places in rising order.
+/// Rays that a kernel leaves to the scalar functions: `count` indices in ascending order.
 struct RawLeft {
     std::uint32_t* places;
     std::size_t count;
 };
 
-/// Differences between answers and truths. A ray whose `answer` is NaN is not measured: NaN comes out.
+/// Differences between answers and truths. A ray whose `answer` is NaN is not measured, and its results are NaN.
 struct RawErrors {
     enum In { answer, hi, lo, inverse, columns_in };
     enum Out { ulp, lost, correct, relative, absolute, columns_out };
 
     std::size_t size;
-    const double* in[columns_in];  ///< of the truth: NaN for hi where doubles do not hold it
-    double* out[columns_out];      ///< null where not wanted; `ulp` always is
+    const double* in[columns_in];  ///< for the truth, hi is NaN if doubles do not hold it
+    double* out[columns_out];      ///< null for columns that are not requested; `ulp` is required
     double precision;              ///< p
     double ulps_of_binade;         ///< 2^(p − 1)
     double most_inverse;           ///< 2^−emin
-    double largest;                ///< in and out: the largest |ulp| so far
+    double largest;                ///< input and output: the largest |ulp| so far
     RawLeft left;
 };
 
-/// How far hit points lie off solids of one shape.
+/// Distances of hit points from primitives of one shape.
 struct RawResiduals {
     enum In { answer, ox, oy, oz, dx, dy, dz, solid, columns_in = solid + most_numbers };
 
     std::size_t size;
-    const double* in[columns_in];  ///< from `solid` on as in `Solid::numbers`
+    const double* in[columns_in];  ///< from `solid` on, in the order of `Solid::numbers`
     double* out;
-    bool binary32;  ///< the hit point is computed in float; else in double
+    bool binary32;  ///< true: the hit point is computed in float; false: in double
     RawLeft left;
 };
 
-/// Sizes |x| of a column, NaN left out, added to what is known of them.
+/// Sums of the sizes |x| of a column, without NaN; a kernel adds to them.
 struct RawSizes {
     std::size_t size;
     const double* values;
-    double hi[most_lanes], lo[most_lanes];  ///< sums: sample i in lane i mod 8; of those up to `largest_summed`
+    double hi[most_lanes], lo[most_lanes];  ///< sums over sizes up to `largest_summed`: sample i in lane i mod 8
     double largest;
-    std::uint64_t count, zeros, beyond;  ///< beyond: above `largest_summed`, infinite ones among them
+    std::uint64_t count, zeros, beyond;  ///< beyond: number of sizes above `largest_summed`, including infinite ones
 };
 inline constexpr double largest_summed = 0x1p+900;
 
-/// Takes the hits of one more solid where they come first.
+/// Hits with one more primitive, of which a kernel keeps those that come first.
 template <class F>
 struct RawHits {
     std::size_t size;
     const F* t;
     const std::uint8_t* hit;
-    F* nearest;             ///< NaN where nothing is hit yet, or where that is at NaN
-    std::int32_t* objects;  ///< −1 where nothing is hit yet
+    F* nearest;             ///< NaN if nothing is hit yet, or if the hit is at NaN
+    std::int32_t* objects;  ///< −1 if nothing is hit yet
     std::int32_t object;
 };
 
 struct RawKernels {
     void (*errors)(RawErrors&);
-    void (*residuals[shape_rows.size()])(RawResiduals&);  ///< of each shape
+    void (*residuals[shape_rows.size()])(RawResiduals&);  ///< one for each shape
     void (*sizes)(RawSizes&);
     void (*hits32)(const RawHits<float>&);
     void (*hits64)(const RawHits<double>&);
 };
 
-/// One function a register width, each in an object of its own.
+/// One function for each register width, each in an object file of its own.
 RawKernels column_kernels_w128();
 RawKernels column_kernels_w256();
 RawKernels column_kernels_w512();

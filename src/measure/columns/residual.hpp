@@ -1,4 +1,4 @@
-// How far a point is off a surface, for packs of doubles and for one.
+// Distance of a point from a surface, for packs of doubles and for one.
 #pragma once
 
 #include "number/wide/running.hpp"
@@ -6,8 +6,8 @@
 
 namespace lostbits::measure::columns {
 
-/// `off_surface` of the point p for the solid of `number(0)`, `number(1)`, …, with a running bound. Whether that is
-/// good to 2^-40 of itself, or so small that the rounding noise of a double hides it.
+/// Computes `off_surface` of the point p for the primitive with `number(0)`, `number(1)`, …, with a running bound. True
+/// if the result is accurate to 2^-40 of itself, or so small that the rounding noise of a double hides it.
 template <template <class> class S, class P, class Numbers>
 auto find_residual(const P* p, const Numbers& number, P& value) {
     using E = number::wide::Running<number::wide::TwoWords<P>>;

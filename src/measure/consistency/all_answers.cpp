@@ -1,4 +1,4 @@
-// Every number that a form tells, ray by ray; and rays one by one and together, by the kernels of every register width.
+// Computes all numbers that a form answers, for rays one by one and together, with the kernels of every register width.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,7 +12,7 @@ using scene::rays::RayBlock;
 
 namespace {
 
-/// The same bits; a NaN is a NaN.
+/// True for the same bits, and for two NaN.
 bool is_same(double a, double b) {
     return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
 }
@@ -37,7 +37,7 @@ AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Sol
         const std::span<const Solid<S>> all = stored;
         answer::KernelRoom<S> room(rays);
         for (const double end : rays.tmax) room.columns[6].push_back(static_cast<S>(end));
-        // A target has solids of one shape.
+        // A target has primitives of one shape.
         const auto end_of = [&](std::size_t begin) {
             if (calls == Calls::one_by_one) return begin + 1;
             if (all.size() == 1) return n;
@@ -77,7 +77,7 @@ std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBloc
 void check_packs(const RowOnBand& on, AccordOfPixels& out) {
     const intersect::Info& info = *on.row.form->info;
     std::vector<AskedForm> widths;
-    const bool software = on.row.format.engine == Format::Engine::rounded;  // which has no registers
+    const bool software = on.row.format.engine == Format::Engine::rounded;  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!software || isa == intersect::simd::Isa::scalar)
             widths.emplace_back(*on.row.form, on.row.format, on.form.stop, isa);

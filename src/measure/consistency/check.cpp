@@ -27,36 +27,36 @@ namespace {
 
 bool always(const Scene&, const Intersector&) { return true; }
 bool if_it_tells_t(const Scene&, const Intersector& form) { return tells_t(*form.info); }
-/// A form that assumes unit directions has no answer to q − p.
+/// A form that assumes unit directions has no answer for the direction q − p.
 bool if_any_length(const Scene&, const Intersector& form) {
     return tells_t(*form.info) && form.info->direction == intersect::Direction::any;
 }
-/// From the other end a segment shows a surface its other side.
+/// Seen from its other end, a segment meets a surface from the other side.
 bool if_from_both_sides(const Scene&, const Intersector& form) { return form.info->facing == intersect::Facing::both; }
 bool if_light(const Scene& scene, const Intersector& form) {
     return scene.appearance.light.has_value() && if_any_length(scene, form);
 }
 
 constexpr Check check_rows[] = {
-    {"beyond", "the closest hit is found by a shadow test that ends one number after it", "the closest hit at t",
+    {"beyond", "a shadow test that ends one number after the closest hit finds a hit", "the closest hit at t",
      "any hit before the number after t", if_it_tells_t, check_beyond},
-    {"end", "whether a hit at the very end of a shadow test counts: a convention, which a form should keep",
-     "a hit before t, of which there is none", "any hit of a ray that ends at t", if_it_tells_t, check_end},
-    {"before", "nothing is found by a shadow test that ends one number before the closest hit",
-     "a hit before t, of which there is none", "any hit before the number before t", if_it_tells_t, check_before},
-    {"segment", "from the origin p to the point q that is seen there: one segment, written in two ways",
+    {"end", "a hit at the very end of a shadow test: the form keeps to its convention",
+     "a hit before t (there is none)", "any hit of a ray that ends at t", if_it_tells_t, check_end},
+    {"before", "a shadow test that ends one number before the closest hit finds nothing",
+     "a hit before t (there is none)", "any hit before the number before t", if_it_tells_t, check_before},
+    {"segment", "the segment from the origin p to the point q seen there, written in two ways",
      "direction q - p, up to t = 1", "direction (q - p)/|q - p|, up to t = |q - p|", if_any_length, check_segment},
-    {"short", "the same segments, which end at 1 - 1e-4 of the way", "direction q - p, up to t = 1 - 1e-4",
+    {"short", "the same segments, cut at 1 - 1e-4 of the way", "direction q - p, up to t = 1 - 1e-4",
      "direction (q - p)/|q - p|, up to t = |q - p| (1 - 1e-4)", if_any_length, check_short},
-    {"light", "the segment from the light p to the point q that is seen, up to 1 - 1e-4 of the way",
+    {"light", "the segment from the light p to the point q seen, up to 1 - 1e-4 of the way",
      "direction q - p, up to t = 1 - 1e-4", "direction (q - p)/|q - p|, up to t = |q - p| (1 - 1e-4)", if_light,
      check_light},
     {"packs", "rays one by one and in batches, at every register width: bit by bit", "rays one by one", "rays together",
      always, check_packs},
     {"reverse", "one segment from either end: one decision, and near and far sides that add up to its length",
      "from p to q", "from q to p", if_from_both_sides, check_reverse, true},
-    {"placed", "one solid under a matrix or directly: one decision, and t within an ulp",
-     "solids as the scene has them", "directly what stands under a matrix, and under one what stands directly", always,
+    {"placed", "one primitive with and without a matrix: one decision, and t within an ulp",
+     "primitives as the scene has them", "primitives with a matrix without it, and the others with one", always,
      check_placed, true},
 };
 

@@ -1,4 +1,5 @@
-// One segment from either end: p to q with the direction q − p as it rounds, and q to p with exactly its opposite.
+// Compares a segment from either end: p to q with the direction q − p as it rounds, and q to p with exactly the
+// opposite.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +21,7 @@ std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& sol
     return with_span(lift_ray<E>(ray), lift_solid<E>(solid), [](const auto& span) { return ends_of(span); });
 }
 
-/// A number as a double that is off by no more than `error`.
+/// A double with an error of at most `error`.
 std::optional<double> within(const Ball& x, double error) {
     if (!x.is_bounded() || x.radius() > error / 2) return std::nullopt;
     return x.hi() + x.lo();
@@ -47,17 +48,17 @@ std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told,
         most.excess = std::max(most.excess, std::fabs(*excess / ulp));
         return true;
     };
-    // Behind the origin by any doubt at all: then it is not compared.
+    // A near side that may lie behind the origin is not compared.
     const bool ahead = (forth->near > E(0)).is_yes(), ahead_back = (back->near > E(0)).is_yes();
     if (ahead && !take(forth->near + back->far, told.near, told.far_back)) return std::nullopt;
     if (ahead_back && !take(forth->far + back->near, told.far, told.near_back)) return std::nullopt;
     return most;
 }
 
-/// A ball around a solid as a ray sees it, in doubles: it only says where the segment ends.
+/// A ball around a primitive, seen along a ray, in doubles. It only decides where the segment ends.
 struct Around {
-    double middle, half;  ///< t of the place nearest to its centre, and its radius in lengths of the direction
-    double aside;         ///< how far the line passes from the centre, in radii, squared
+    double middle, half;  ///< t of the point nearest to its centre, and its radius in lengths of the direction
+    double aside;         ///< distance of the line from the centre, in radii, squared
 
     Around(const Ray<double>& ray, const Solid<double>& solid) {
         const auto [centre, radius] = offset::ball_of(solid);
@@ -68,11 +69,11 @@ struct Around {
         aside = square(cross<double>(f, ray.direction)) / (a * radius * radius);
     }
     [[nodiscard]] bool is_ahead() const { return middle + half > 0; }
-    /// As far behind the solid as p lies in front of it, and at least half of it behind.
+    /// The end lies as far behind the primitive as p lies in front of it, and behind it by at least half of its size.
     [[nodiscard]] double end() const { return middle + std::max(middle, 2 * half); }
 };
 
-/// The solid that the pixel shows or, where it shows none, the one ahead that its ray passes nearest to.
+/// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to.
 std::optional<std::size_t> solid_of(const RowOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
@@ -85,7 +86,7 @@ std::optional<std::size_t> solid_of(const RowOnBand& on, std::size_t i) {
     return nearest;
 }
 
-/// q is the end of the segment, rounded to the format; nothing where there is none.
+/// The segment of a pixel; q is its end, rounded to the format. Nothing if there is no primitive.
 std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
     const auto k = solid_of(on, i);
     if (!k) return std::nullopt;
@@ -111,7 +112,7 @@ RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
     return rays;
 }
 
-/// The segments of a band seen from one of their ends: what is true, and what the form answers.
+/// Segments of a band seen from one end: their truth, and the form's answers.
 struct FromOneEnd {
     truth::Band band;
     AllAnswers answers;
@@ -129,7 +130,7 @@ Accord accord_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ToldC
     if (!error) return Accord::unresolved;
     apart = error->apart;
     excess = error->excess;
-    // Each t is at most L: rounded correctly it is off by half an ulp of L at most, and two of them by one.
+    // Each t is at most L. Rounded correctly, it is off by at most half an ulp of L, and two of them by at most one.
     constexpr double most = 1;
     return error->excess > most ? Accord::other_number : error->apart > most ? Accord::by_inputs : Accord::agree;
 }

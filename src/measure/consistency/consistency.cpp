@@ -12,7 +12,7 @@ using truth::Band;
 
 namespace {
 
-/// Lines of a band: few enough that its rays stay near the processor.
+/// Lines of a band: few enough for its rays to stay in the cache.
 constexpr int lines_of_band = 16;
 
 void add_check(AccordOfPixels& found, int y0, int width, CheckSummary& summary) {
@@ -51,14 +51,15 @@ double quantile_of(const C& s) {
 }
 
 constexpr ConsistencyColumn column_rows[] = {
-    {"rays", "", "pixels of which both questions are asked", true, [](const C& s) { return as_number(s.asked()); }},
-    {"agree", "", "of these: both answers are alike", true, count_of<Accord::agree>},
-    {"first_alone", "", "only the first question is answered with yes, and one of the answers is wrong", true,
+    {"rays", "", "pixels that have both questions", true, [](const C& s) { return as_number(s.asked()); }},
+    {"agree", "", "those of them with the same answer to both", true, count_of<Accord::agree>},
+    {"first_alone", "", "the answer is yes only to the first question, and one of the answers is wrong", true,
      count_of<Accord::first_alone>},
-    {"second_alone", "", "only the second, and one of the answers is wrong", true, count_of<Accord::second_alone>},
+    {"second_alone", "", "the answer is yes only to the second, and one of the answers is wrong", true,
+     count_of<Accord::second_alone>},
     {"other_number", "",
-     "the decisions are alike, the numbers are not: by any bit (packs), by more than the exact ones and an ulp "
-     "(reverse, placed)",
+     "the decisions are the same, the numbers are not: they differ in any bit (packs), or by an ulp more than the "
+     "exact ones (reverse, placed)",
      true, count_of<Accord::other_number>},
     {"by_inputs", "", "the answers differ as the exact ones do: the stored numbers of the questions differ", true,
      count_of<Accord::by_inputs>},
@@ -69,11 +70,12 @@ constexpr ConsistencyColumn column_rows[] = {
      [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
     {"by_inputs_fraction", "", "share of by_inputs", false, share_of<Accord::by_inputs>},
     {"apart_p50", "ulp",
-     "|near + far from the other end - length| in ulps of the length; of placed |t - the other t|, as told: median",
+     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t|, as computed: "
+     "median",
      false, quantile_of<&C::apart, 50>},
     {"apart_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::apart, 99>},
     {"apart_max", "ulp", "the same: largest", false, quantile_of<&C::apart, 100>},
-    {"excess_p50", "ulp", "how far that is from the same of the exact answers: median", false,
+    {"excess_p50", "ulp", "difference between that and the same for the exact answers: median", false,
      quantile_of<&C::excess, 50>},
     {"excess_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::excess, 99>},
     {"excess_max", "ulp", "the same: largest", false, quantile_of<&C::excess, 100>},

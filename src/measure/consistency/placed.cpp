@@ -1,4 +1,4 @@
-// The same solid under a matrix and directly.
+// Compares a primitive under a matrix with the same primitive without one.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ using truth::Truth;
 
 namespace {
 
-/// About its own middle, under the matrix that moves it to where it stands.
+/// Moves the primitive to its own centre, under a matrix that moves it back.
 Solid<double> under_matrix(const Solid<double>& solid, const FloatFormat& format) {
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
@@ -26,7 +26,7 @@ Solid<double> under_matrix(const Solid<double>& solid, const FloatFormat& format
     return there;
 }
 
-/// What the columns of a matrix do to lengths where they do the same to all of them, to within what a format rounds.
+/// Common factor of a matrix on all lengths, if there is one within the rounding of the format.
 std::optional<double> common_scale(const Affine<double>& m, const FloatFormat& format) {
     const auto column = [&m](int i) { return Vec<double>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
     const Vec<double> x = column(0), y = column(1), z = column(2);
@@ -41,9 +41,13 @@ bool is_diagonal(const Affine<double>& m) {
            m.rows[2].y == 0;
 }
 
-/// The solid whose numbers say where one under a stored matrix stands, each rounded once to the format. Nothing where
-/// there is none: a shape with lengths or directions under a matrix that is no turn and common scale to within 4u, a
-/// box under one that is not diagonal, radii by axis; and of a stored inverse.
+/// The primitive without a matrix that stands where one under a stored matrix stands, with each number rounded once to
+/// the format. Nothing if there is none:
+///
+/// - a shape with lengths or directions, under a matrix that is not a rotation and a common scale within 4u;
+/// - a box, under a matrix that is not diagonal;
+/// - a shape with a radius for each axis;
+/// - a matrix that is stored as its inverse.
 std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFormat& format) {
     if (!solid.placed || solid.placed->is_inverse) return std::nullopt;
     const Affine<double> m = solid.placed->map();
@@ -69,7 +73,7 @@ std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFor
     return transformed(image, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-/// The form that takes solids under matrices and others: itself, or through the usual way.
+/// A form that takes primitives with and without matrices: the form itself, or the form with the usual transform.
 const Intersector& form_for(const Intersector& form) {
     const auto& usual = intersect::space::usual_space();
     if (form.shapes().are_placed()) return form;
@@ -79,7 +83,7 @@ const Intersector& form_for(const Intersector& form) {
     return intersect::table::set_of(parts);
 }
 
-/// The solids the other way, where there is one; as they are where not. Empty where there is none for any.
+/// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
 std::vector<Solid<double>> in_other_place(const RowOnBand& on) {
     bool any = false;
     std::vector<Solid<double>> others;
@@ -121,7 +125,7 @@ void check_placed(const RowOnBand& on, AccordOfPixels& out) {
             };
             out.apart[i] = std::fabs(off(a.t[i], truth::exactly(b.t[i])));
             out.excess[i] = std::fabs(off(a.t[i], one) - off(b.t[i], other));
-            // Each t is rounded correctly where it is off by half an ulp at most, and two of them by one.
+            // Each t that is rounded correctly is off by at most half an ulp, and two of them by at most one.
             how = !(out.excess[i] <= 1) ? Accord::other_number : out.apart[i] > 1 ? Accord::by_inputs : Accord::agree;
         }
         out.set(i, how, [&] {

@@ -1,5 +1,5 @@
-// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|; and the closest hit against shadow tests
-// that end just after it, at it, and just before it.
+// Compares a segment written as q − p up to 1 with (q − p)/|q − p| up to |q − p|. Also compares the closest hit with
+// shadow tests that end just after it, at it, and just before it.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -20,14 +20,14 @@ using truth::Truth;
 
 namespace {
 
-/// The sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
+/// Sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
 std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
     return truth::by_rising_precision([&]<class E>() {
         return truth::side_of<E>(lift_ray<E>(ray), lift_solid<E>(sphere), E(m), truth::Length::parameter);
     });
 }
 
-/// Of solids of one shape.
+/// True decision for primitives of one shape.
 Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
                                   const intersect::Convention& own) {
     const bool ends = !solids.empty() && told_end(solids.front().shape);
@@ -43,8 +43,8 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
 
-/// The point that a pixel shows: o + t*·d of its own ray, each coordinate rounded to the format; nothing where the ray
-/// truly misses.
+/// The point seen at a pixel: o + t*·d of its own ray, each coordinate rounded to the format. Nothing if the ray truly
+/// misses.
 std::optional<Vec<double>> seen_point(const RowOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (!truth.is_hit()) return std::nullopt;
@@ -68,7 +68,7 @@ Accord accord_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool fi
     return accord_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
 }
 
-/// `from(i)` is where the segment of pixel i starts.
+/// Compares the segments of all pixels; the segment of pixel i starts at `from(i)`.
 template <class From>
 void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, AccordOfPixels& out) {
     std::vector<std::size_t> pixels;
@@ -95,7 +95,8 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, A
     }
 }
 
-/// What a map says of a pixel against a shadow test whose end is made of its t. `expected`: what the test should say.
+/// Compares a map's hit at a pixel with a shadow test whose end is computed from its t. `expected`: the right answer of
+/// the test.
 template <class End>
 void compare_with_ends(const RowOnBand& on, const End& end, bool expected, AccordOfPixels& out) {
     scene::rays::RayBlock rays = on.rays();
@@ -161,7 +162,7 @@ void check_light(const RowOnBand& on, AccordOfPixels& out) {
 }
 
 void check_beyond(const RowOnBand& on, AccordOfPixels& out) {
-    // No end lies after an infinite t or a NaN: any hit at all must do.
+    // No end lies after an infinite t or a NaN, so any hit is right.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
 }
@@ -172,7 +173,7 @@ void check_end(const RowOnBand& on, AccordOfPixels& out) {
 }
 
 void check_before(const RowOnBand& on, AccordOfPixels& out) {
-    // Before t = 0 there is no ray.
+    // A ray cannot end before t = 0.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },
         false, out);

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
-/// The same bits, and a NaN is a NaN.
+/// True for equal numbers, and for two NaN.
 bool same(const Reply& a, const Reply& b) {
     const auto equal = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
     return a.hit == b.hit && equal(a.near, b.near) && equal(a.far, b.far);
@@ -33,7 +33,7 @@ bool same(const Reply& a, const Reply& b) {
 
 bool all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) { return std::ranges::equal(a, b, same); }
 
-/// Many rays that come from everywhere and meet the solid or do not.
+/// Many rays from all directions that meet the primitive or miss it.
 std::vector<Question> many(Shape shape) {
     std::vector<Question> questions;
     std::uint32_t state = 1;
@@ -62,31 +62,30 @@ void try_hit_is_written(Trial& trial) {
     const auto unwritten = std::ranges::find_if(all, [](const Reply& r) { return r.hit > 1; });
     if (unwritten != all.end())
         trial.broken("`hit` is " + std::to_string(unwritten->hit) +
-                     " for a ray of a batch; it must be written, as 1 or 0, for each");
+                     " for a ray of a batch; write 1 or 0 for every ray");
 }
 
 void try_again(Trial& trial) {
     const auto questions = many(trial.shape);
     const auto all = ask(trial.form, questions);
-    trial.hold(all_same(all, ask(trial.form, questions)), "the same batch has the same answers",
-               "the same batch asked twice has other answers: it keeps something from the first, or reads what nobody "
-               "wrote");
+    trial.hold(all_same(all, ask(trial.form, questions)), "the same batch gets the same answers again",
+               "the same batch gets other answers the second time: the function keeps state from the first call, or "
+               "reads memory that nobody wrote");
 }
 
 void try_batches(Trial& trial) {
     const auto questions = many(trial.shape);
     std::vector<Reply> single;
     for (const Question& q : questions) single.push_back(trial.ask(q));
-    trial.hold(all_same(ask(trial.form, questions), single), "a ray has the same answer in a batch and alone",
-               "a ray has another answer in a batch than alone");
+    trial.hold(all_same(ask(trial.form, questions), single), "a ray gets the same answer in a batch and alone",
+               "a ray gets another answer in a batch than alone");
 }
 
 void try_solids(Trial& trial) {
     const auto questions = many(trial.shape);
     trial.hold(all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
-               "one solid for all rays, or one for each: the same answers",
-               "solids of their own for each ray (solid_stride) are not looked at; step by solid_stride from ray to "
-               "ray");
+               "one primitive for all rays, or one for each: the same answers",
+               "the primitives of each ray (solid_stride) are ignored; step by solid_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
@@ -108,11 +107,11 @@ void try_threads(Trial& trial) {
     }
     for (std::thread& t : threads) t.join();
     if (failed) std::rethrow_exception(failed);
-    trial.hold(good, "four threads at once have the same answers",
-               "four threads at once have other answers; say LB_ONE_THREAD (one_thread)");
+    trial.hold(good, "four threads at once get the same answers",
+               "four threads at once get other answers; say LB_ONE_THREAD (one_thread)");
 }
 
-/// A mistake about a shape's length, of a radius: what a form makes of it, and the words for that.
+/// A mistake about a length of a shape, such as a radius: the length that the form uses instead, and its description.
 struct TakenLength {
     double (*change)(double);
     const char *words, *mend;  ///< {0} is the key
@@ -123,8 +122,8 @@ constexpr TakenLength taken_lengths[]{
     {[](double x) { return 2 * x; }, "the {0} is taken twice (a diameter?)", "; hand over {0}, not 2 * {0}"},
     {[](double x) { return x / 2; }, "the {0} is taken for a diameter", "; hand over 2 * {0}"}};
 
-/// Rays whose answers tell mistakes about a length apart: the plainest and one beside it, at two lengths, since twice 2
-/// is its square.
+/// Rays whose answers tell mistakes about a length apart: the plainest ray and one beside it, at two lengths. One
+/// length is not enough, since twice 2 is its square.
 std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
     Question aside = along(shape, -8, 1);
     aside.ray[0] = 0.5, aside.ray[1] = 0.25;
@@ -136,7 +135,7 @@ std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
     return all;
 }
 
-/// The mistake about the length that explains all answers of a form; null where none does.
+/// The mistake about the length that explains all answers of a form; null if none does.
 const TakenLength* find_taken_length(const Trial& trial, std::size_t number) {
     std::vector<std::pair<Question, Reply>> asked;
     for (const Question& q : rays_at_lengths(trial.shape, number)) asked.emplace_back(q, trial.ask(q));
@@ -152,12 +151,12 @@ const TakenLength* find_taken_length(const Trial& trial, std::size_t number) {
     return found == std::end(taken_lengths) ? nullptr : &*found;
 }
 
-/// Near as it is told, of a ray that comes from outside.
+/// Tests near, as answered to a ray from outside.
 void try_t(Trial& trial) {
     const Reply plain = trial.ask(along(trial.shape, -5, 1));
-    if (is_answer(plain.near, 3)) return trial.kept("the plainest ray is met at t = 3, as it is");
+    if (is_answer(plain.near, 3)) return trial.kept("the plainest ray gets t = 3, which is right");
     const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words(trial.shape) +
-                       ": 3 is right, it says " + text_of(plain.near) + ")";
+                       ": 3 is right, it answers " + text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
         if (const TakenLength* const found = find_taken_length(trial, length->number)) {
             const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
@@ -167,20 +166,19 @@ void try_t(Trial& trial) {
     if (is_answer(plain.near, 7)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
-    trial.broken("t is something else" + where);
+    trial.broken("t is wrong" + where);
 }
 
-/// A t that is wrong may halve as it should, or be a distance all the same: it is compared with the form's own.
+/// Compares t with the form's own t for length 1: a wrong t may still halve as it should, or be a distance.
 void try_direction(Trial& trial) {
-    if (trial.contract.direction == Direction::unit)
-        return trial.kept("takes unit directions, and is asked about no others");
+    if (trial.contract.direction == Direction::unit) return trial.kept("takes unit directions; others are not tried");
     const Reply plain = trial.ask(along(trial.shape, -5, 1)), twice = trial.ask(along(trial.shape, -5, 2));
     if (twice.hit != 1)
-        return trial.broken("a direction twice as long misses, and it should hit" +
-                            std::string(trial.tells_t ? " at half the t" : "") +
-                            ": the formula may take its length for 1");
-    if (!trial.tells_t) return trial.kept("of any length: twice as long hits as well");
-    if (is_answer(twice.near, plain.near / 2)) return trial.kept("of any length: twice as long, half the t");
+        return trial.broken("a direction twice as long misses; it should hit" +
+                            std::string(trial.tells_t ? " at half the t" : "") + ". The formula may assume length 1");
+    if (!trial.tells_t) return trial.kept("takes directions of any length: one twice as long hits too");
+    if (is_answer(twice.near, plain.near / 2))
+        return trial.kept("takes directions of any length: one twice as long gets half the t");
     const Reply further = trial.ask(along(trial.shape, -8, 1));
     const bool is_unchanged = is_answer(twice.near, plain.near),
                is_distance = is_unchanged && further.hit == 1 && is_answer(further.near, plain.near + 3);
@@ -189,11 +187,9 @@ void try_direction(Trial& trial) {
             "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
             "say LB_UNIT (unit_direction, direction=unit)");
     const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
-    if (!is_answer(plain.near, 3)) return trial.told(gives + ", and one of length 1 is wrong already");
+    if (!is_answer(plain.near, 3)) return trial.told(gives + "; the t for length 1 is wrong already");
     trial.broken(gives + " where 1.5 is right" +
-                 (is_unchanged ? ""
-                               : ": its length enters t in another way than as a divisor; the formula may take it "
-                                 "for 1"));
+                 (is_unchanged ? "" : ": its length changes t, but not as a divisor; the formula may assume length 1"));
 }
 
 void try_far(Trial& trial) {
@@ -204,26 +200,26 @@ void try_far(Trial& trial) {
     if (is_answer(outside.near + outside.far, right))
         return trial.broken("far is " + text_of(outside.far) + ", the thickness; hand over near + thickness");
     trial.broken("far is " + text_of(outside.far) + " where " + text_of(right) +
-                 " is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) where it tells "
-                 "one");
+                 " is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) if it answers "
+                 "only one root");
 }
 
 void try_behind(Trial& trial) {
     const Reply behind = trial.ask(along(trial.shape, 5, 1));
     if (trial.contract.roots == Roots::near_only && behind.hit == 1 && behind.near < 0)
-        return trial.kept("what lies behind the ray is told as t = " + text_of(behind.near) + ", a miss");
+        return trial.kept("a primitive behind the ray gets t = " + text_of(behind.near) + ", which counts as a miss");
     if (trial.contract.roots == Roots::both && trial.says(LB_LINE))
-        return trial.hold(behind.hit == 1, "the whole line counts", "a solid behind the ray is missed");
-    const std::string hit = "a solid behind the ray is hit";
-    trial.hold(behind.hit == 0, "what lies behind the ray is missed",
+        return trial.hold(behind.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
+    const std::string hit = "a primitive behind the ray is hit";
+    trial.hold(behind.hit == 0, "a primitive behind the ray is missed",
                !trial.tells_t ? hit +
-                                    "; let it say no where the solid is behind: only who tells t may answer for the "
-                                    "whole line"
+                                    "; answer a miss there: only a form that answers t may answer for the whole "
+                                    "line"
                : trial.contract.roots == Roots::both
                    ? hit + " (t = " + text_of(behind.near) +
-                         "); say LB_LINE (whole_line, flags=line) where it answers for the whole line"
-                   : hit + " (t = " + text_of(behind.near) + "); let it miss where t < 0" +
-                         (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss" : ""));
+                         "); say LB_LINE (whole_line, flags=line) if it answers for the whole line"
+                   : hit + " (t = " + text_of(behind.near) + "); answer a miss where t < 0" +
+                         (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
 }
 
 void try_aside(Trial& trial) {
@@ -231,7 +227,7 @@ void try_aside(Trial& trial) {
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
     if (ends_of(q, trial.shape)) return trial.told("no ray passes by " + with_article(trial.shape));
     trial.hold(trial.ask(q).hit == 0, "a ray that passes by misses",
-               "a ray that passes by hits; is this how it says that it misses (of a shader: miss=)?");
+               "a ray that passes by hits; is this how it marks a miss (for a shader: miss=)?");
 }
 
 void try_end(Trial& trial) {
@@ -245,15 +241,15 @@ void try_end(Trial& trial) {
         return;
     }
     if (trial.says(LB_NO_END))
-        return trial.kept(trial.tells_t ? "the ends of rays are looked at by the table, not by the form"
-                                        : "the rays that it is asked about have no ends");
+        return trial.kept(trial.tells_t ? "the table checks the ends of rays, not the form"
+                                        : "the rays that it gets have no ends");
     trial.hold(!before, ends + " misses",
                ends +
-                   " hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not "
-                   "looked at (of a shader: float tmax)");
+                   " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
+                   "float tmax)");
 }
 
-/// A form that says that it looks at where rays begin and end. The solid ends before t = 7.
+/// Tests a form that declares to respect the begin and end of rays. The primitive ends before t = 7.
 void try_range(Trial& trial) {
     const auto within = [](Shape shape, double start, double end) {
         Question q = along(shape, -5, 1);
@@ -275,15 +271,15 @@ void try_range(Trial& trial) {
     hold(within(shape, 3, infinity), "a range that begins at the first root, t = 3, ", both);
     const bool open = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
     hold(within(shape, 0, 3), "a range that ends at the first root, t = 3, ",
-         open ? "where touching is a miss the inside alone is met, which such a ray does not reach" : both);
-    hold(within(shape, 8, infinity), "a range that begins behind the solid, where t = 8, ",
+         open ? "if touching is a miss, only the inside counts, and this ray does not reach it" : both);
+    hold(within(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
          "`starts` says where each ray begins");
     if (is_crossed_twice(shape))
         hold(within(shape, 4, infinity), "a range that begins inside, at t = 4, ",
-             "else say what it answers from inside");
+             "otherwise say what it answers from inside");
 }
 
-/// One that must only be lived through.
+/// A probe that the form only has to survive.
 void try_odd(Trial& trial, const char* name, const std::string& what, const Question& q) {
     trial.probe(name, [&](Trial&) {
         Reply r;
@@ -302,7 +298,7 @@ void try_odd(Trial& trial, const char* name, const std::string& what, const Ques
 void try_odd_numbers(Trial& trial) {
     const Shape shape = trial.shape;
     const bool unit = trial.contract.direction == Direction::unit;
-    if (!unit) {  // a form of unit directions may insist on them
+    if (!unit) {  // a form that takes unit directions may insist on them
         try_odd(trial, "zero-direction", "a direction of length 0", along(shape, -5, 0));
         try_odd(trial, "nan-direction", "a direction of NaN", along(shape, -5, nan));
     }
@@ -311,20 +307,20 @@ void try_odd_numbers(Trial& trial) {
     try_odd(trial, "point", std::string(row_of(shape).words.point), along(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
-    try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares are no " + format + " numbers",
+    try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
             along(shape, -std::ldexp(1, scale), unit ? 1 : std::ldexp(1, scale), 0, std::ldexp(1, scale - 20)));
     try_odd(trial, "tiny", "numbers of 2^-" + power + ", whose squares are 0 in " + format,
             along(shape, -std::ldexp(1, -scale), unit ? 1 : std::ldexp(1, -scale), 0, std::ldexp(1, -scale - 1)));
 }
 
-/// Every probe of one form.
+/// Runs every probe on one form.
 std::vector<Observation> try_all(const ForeignForm& form) {
     Trial trial(form);
     const bool both = trial.contract.roots == Roots::both;
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
     if (trial.breaks("again")) {
-        trial.told("batches, solids and threads compare answers that have to be the same, and are not judged");
+        trial.told("the probes batches, solids and threads compare repeated answers, so they are left out");
     } else {
         trial.probe("batches", try_batches);
         trial.probe("solids", try_solids);
@@ -360,7 +356,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("end", try_end);
     probe_of_t("range", try_range, trial.says(LB_RANGE));
     probe_of_t("scale", try_scale);
-    if (!trial.says_broken()) trial.probe("rays", try_rays);  // else what is wrong is known, and would be told again
+    if (!trial.says_broken()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     if (!held_back.empty())
         trial.probe("t", [&](Trial& t) { t.told("what follows from a wrong t is not judged: " + held_back); });
     try_odd_numbers(trial);

@@ -1,4 +1,4 @@
-// An intersector from outside, asked a few rays whose answers anyone can check by hand.
+// Probes an external intersector with a few rays whose answers can be checked by hand.
 #pragma once
 
 #include <string>
@@ -8,28 +8,30 @@
 
 namespace lostbits::measure::contract {
 
-/// What was found about one promise.
+/// Result about one promise of a contract.
 struct Observation {
     enum class Verdict {
-        kept,    ///< it does as it says
+        kept,    ///< it keeps the promise
         broken,  ///< it does something else
         told     ///< nothing was promised; what it does is worth knowing
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …
     Verdict verdict;
-    std::string words;  ///< what it does, and what to write where that is not what it says
+    std::string words;  ///< what it does and, if that breaks a promise, what to write
 };
 
-/// Asks the form whether it answers the same again, ray by ray, with a solid a ray and from several threads; whose
-/// directions, roots and ends it takes; what it makes of a ray that touches, runs in a plane, starts on the surface,
-/// inside or beyond; of all sizes, of many rays at solids that lie at random, of huge, zero and NaN numbers. What is
-/// right is the truth by the form's own words; answers are right here to 2^-10 of themselves. A form that cannot answer
-/// at all throws what it throws. A formula of both roots has a t of its own: `first` tells that one
-/// (`doors::first_of`), and every probe tries it too.
+/// Probes a form. Repeats rays alone, in batches, with one primitive for each ray, and from several threads. Tests its
+/// directions, roots and ends of rays. Tests rays that touch, run in a plane, or start on the surface, inside or
+/// beyond. Tests all sizes, many rays at primitives in random positions, and huge, zero and NaN numbers.
+///
+/// The right answer is the truth by the form's own properties, to within 2^-10 of itself or of 1, whichever is larger.
+/// If a form cannot answer at all, its exception is passed on. A formula of both roots has a t of its own: `first`
+/// answers that one (`doors::first_of`), and every probe tests it too.
 std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form,
                                       const intersect::doors::ForeignForm* first = nullptr);
 
-/// Whether the processor computes after its calls, as far as it was called, as before; and how it computes in them.
+/// Tests if the processor's floating-point state is the same after the form's calls so far as before, and reports the
+/// state in them.
 Observation observe_state(const intersect::doors::ForeignForm& form);
 
 }  // namespace lostbits::measure::contract

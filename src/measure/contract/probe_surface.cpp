@@ -1,4 +1,5 @@
-// What a form answers from inside, where it touches, and from the surface itself; and what it leaves the processor in.
+// Probes the answers of a form from inside, where a ray touches, and from the surface itself, and the state in which it
+// leaves the processor.
 #include "intersect/doors/guard.hpp"
 #include "measure/contract/trial.hpp"
 
@@ -12,7 +13,7 @@ using intersect::Touching;
 
 namespace {
 
-/// What an answer is, by the roots that the line has.
+/// Kinds of answers, by the roots of the line.
 enum class RightAnswer { miss, zero, near, exit, unsigned_near, other };
 
 RightAnswer answer_of(const Reply& r, double near, double far) {
@@ -23,7 +24,7 @@ RightAnswer answer_of(const Reply& r, double near, double far) {
     return is_answer(r.near, -near) ? RightAnswer::unsigned_near : RightAnswer::other;
 }
 
-/// A ray from inside along z, with the places next to its origin where the line enters and leaves.
+/// A ray from inside along z, with the points next to its origin at which the line enters and leaves.
 struct RayFromInside {
     RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(along(trial.shape, z, 1))) {
         intersect::doors::Contract exits = trial.contract;
@@ -44,7 +45,7 @@ struct RayFromInside {
     double near = 0, far = 0;
 };
 
-/// Two rays off the middle, so that no root has the size of the other.
+/// Two rays off the centre, so that no root has the magnitude of the other.
 struct FromInside {
     explicit FromInside(const Trial& trial) : up(trial, 1), down(trial, -1) {}
     RayFromInside up, down;
@@ -79,7 +80,7 @@ void try_interval(Trial& trial, const FromInside& inside) {
     }
 }
 
-/// What to write for what it does; empty where there is no word for it.
+/// Property to write for this answer; empty if no property describes it.
 std::string word_for(RightAnswer answer, Roots roots) {
     const bool near = roots == Roots::near_only;
     switch (answer) {
@@ -118,7 +119,7 @@ std::string word_for(Facing facing) {
                                    : "LB_FACING_BACK (facing_back, facing=back)";
 }
 
-/// The words of a contract on a surface at the origin.
+/// Contract properties for a surface at the origin.
 constexpr std::array<AtOrigin, 3> all_at_origin{AtOrigin::hit, AtOrigin::miss, AtOrigin::exit};
 constexpr std::array<const char*, 3> at_origin_words{
     "LB_HIT (at_origin=hit)", "LB_MISS (origin_misses, at_origin=miss)", "LB_EXIT (origin_exits, at_origin=exit)"};
@@ -135,7 +136,7 @@ void try_inside(Trial& trial) {
         return trial.hold((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
                           hits ? "a ray from inside hits" : "a ray from inside misses",
                           hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
-                               : "a ray from inside hits; leave out that it misses (inside=miss)");
+                               : "a ray from inside hits; leave out inside=miss");
     }
     const std::string what = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
     const bool behind = c.roots == Roots::near_only && (answer == RightAnswer::near || answer == RightAnswer::miss) &&
@@ -157,12 +158,12 @@ void try_facing(Trial& trial) {
 bool try_other_side(Trial& trial) {
     if (!is_flat(trial.shape) || trial.ask(along(trial.shape, 5, -1)).hit != 1) return false;
     const Facing met = trial.contract.facing == Facing::front ? Facing::back : Facing::front;
-    trial.broken("of the two sides one is met; say " + word_for(met));
+    trial.broken("only one of the two sides is met; say " + word_for(met));
     return true;
 }
 
 void try_touching(Trial& trial) {
-    // A tangent, a ray in the plane of a face, one through a rim: where the closed solid is hit and the open one
+    // A tangent, a ray in the plane of a face, or one through a rim: the closed primitive is hit and the open one
     // missed.
     intersect::doors::Contract closed = trial.contract, open = trial.contract;
     closed.touching = Touching::hit, open.touching = Touching::miss;
@@ -180,7 +181,7 @@ void try_touching(Trial& trial) {
             one.ray[0] *= side, one.ray[2] = from;
             const double right = trial.truth(one, closed).t;
             const HitOrMiss taken = taken_by(closed, trial.ask(one), one);
-            // A march stops short of a tangent by the root of its epsilon.
+            // A march stops short of a tangent by the square root of its epsilon.
             if (trial.tells_t && taken.hit && !(std::fabs(taken.t - right) <= 0.5))
                 return trial.broken(what + " is answered with t = " + text_of(taken.t) + "; " + text_of(right) +
                                     " is right");
@@ -203,7 +204,7 @@ void try_touching(Trial& trial) {
 }
 
 void try_within(Trial& trial) {
-    // Through its middle from either side, off it, from within it, beside it; and beside the plane.
+    // Rays through its centre from either side, off the centre, from within it, beside it, and beside the plane.
     constexpr double rays[][4]{{-5, 0, -2, 1}, {5, 0, -2, -1}, {-5, 0.5, -2, 1}, {-5, -1, -2, 1},
                                {0, 0, -2, 1},  {5, 9, -2, -1}, {-5, 0, -1, 1},   {0.25, 0, -3, -1}};
     for (const auto& [x, y, z, dx] : rays) {
@@ -220,7 +221,7 @@ void try_within(Trial& trial) {
 
 namespace {
 
-/// A ray from a point of the surface, along z, and the words for what is answered.
+/// A ray from a point of the surface, along z, with a description of the answer.
 struct FromSurface {
     Question q;
     Reply reply;
@@ -232,8 +233,8 @@ struct FromSurface {
     }
 };
 
-/// Both ways from where the surface is at z = -2, and from where it is at z = 2. A side that is not met from afar is
-/// not met from the surface either: `facing` tells that, and at-origin has nothing to say of it.
+/// Rays in both directions from the surface at z = -2, and from the surface at z = 2. A side that is not met from afar
+/// is not met from the surface either. That is a matter of `facing`, not of at-origin.
 std::vector<FromSurface> from_surface(const Trial& trial) {
     std::vector<FromSurface> rays;
     const bool one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
@@ -247,7 +248,8 @@ std::vector<FromSurface> from_surface(const Trial& trial) {
     return rays;
 }
 
-/// Of near and far the table takes the one that counts, whatever is said of the origin: they have to be told.
+/// If a form answers near and far, the table picks the one that counts, whatever the contract says about the origin.
+/// The form only has to answer them.
 bool is_right_from_surface(const Trial& trial, const FromSurface& r, const intersect::doors::Contract& by) {
     if (by.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, by).hit;
     return trial.is_right(r.q, r.reply, by);
@@ -265,10 +267,11 @@ void try_at_origin(Trial& trial) {
     const std::string surface = "a surface at the origin ";
     const std::string in = "a ray that starts on the surface and goes in ", out = ", one that goes out ";
     const bool hits = std::ranges::any_of(rays, [](const FromSurface& r) { return r.reply.hit == 1; });
-    // Of a near root alone the table drops the t of 0 that is told; a first root is for the form to drop.
+    // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop it
+    // itself.
     const bool counts = hits && trial.contract.roots != Roots::near_only, is_dropped = hits && !counts;
     const std::string does = flat && is_dropped && trial.contract.at_origin == AtOrigin::miss
-                                 ? surface + "is told as t = 0, a miss"
+                                 ? surface + "gets t = 0, which counts as a miss"
                              : flat ? surface + (hits ? "counts" : "is passed over")
                                     : in + rays[0].words(trial) + out + rays[1].words(trial);
     const bool is_denied = flat && counts && trial.contract.at_origin == AtOrigin::miss;
@@ -297,18 +300,20 @@ void try_close(Trial& trial) {
     const Reply r = trial.ask(along(trial.shape, -2 - ahead, 1));
     const std::string surface = "a surface " + text_of(ahead) + " ahead ";
     if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");
-    trial.broken(surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
-                 ": it seems to have a least t, as a tmin or an epsilon; no word says that, let the caller have it");
+    trial.broken(
+        surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
+        ": it seems to have a least t, such as a tmin or an epsilon. No property declares that; leave it to the "
+        "caller");
 }
 
 Observation observe_state(const intersect::doors::ForeignForm& form) {
     const std::string& loaded = form.contract.state;
     const std::string where =
-        loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it is run so";
+        loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
     const std::string noted = intersect::doors::change_noted(intersect::doors::name_in_messages(form));
     if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
-    if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as its users run it; nothing else is"};
-    return {"state", Observation::Verdict::kept, "the processor rounds to nearest in it and keeps subnormal numbers"};
+    if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as for its users; nothing else does"};
+    return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};
 }
 
 }  // namespace lostbits::measure::contract

@@ -1,4 +1,4 @@
-// What a form answers over sizes, and on many rays at many solids, beside the truth by its contract.
+// Compares the answers of a form with the truth by its contract: over all sizes, and for many rays at many primitives.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 using intersect::Direction;
 
-/// The same numbers on every machine: from -1 to 1.
+/// Random numbers from -1 to 1, the same on every machine.
 class Random {
 public:
     double operator()() {
@@ -32,9 +32,10 @@ private:
     std::uint32_t state_ = 1;
 };
 
-/// The power of two up to which a size is asked about. Usual code multiplies four lengths for what is round, flat or a
-/// box, and up to ten for others: beyond that numbers under- or overflow by no fault of an epsilon. The roots of a
-/// solid that a line enters twice are found by steps and tolerances, whose fineness is no epsilon either.
+/// Power of two up to which sizes are tested. Usual code multiplies four lengths for round shapes, flat shapes and
+/// boxes, and up to ten for others. Beyond this power numbers under- or overflow, which is not the fault of an epsilon.
+/// The roots of a primitive that a line enters twice are found with steps and tolerances, which are not epsilons
+/// either.
 int greatest_power(const intersect::doors::Contract& contract) {
     const ShapeRow& row = row_of(contract.shape);
     const auto ends = ends_of(along(contract.shape, -5, 1), contract.shape);
@@ -42,7 +43,7 @@ int greatest_power(const intersect::doors::Contract& contract) {
     return (contract.bits == 32 ? 112 : 960) / (row.round || row.flat || row.edges ? 4 : 10);
 }
 
-/// Plain rays at a solid of half-width 2·size: straight, off its middle, from inside, past it.
+/// Plain rays at a primitive of half-width 2·size: straight, off its centre, from inside, past it.
 std::vector<Question> of_size(Shape shape, double size) {
     std::vector<Question> all{along(shape, -5 * size, 1, 0, 2 * size), along(shape, -8 * size, 1, 0, 2 * size),
                               along(shape, size, 1, 0, 2 * size), along(shape, -5 * size, 1, 0, 2 * size)};
@@ -52,14 +53,15 @@ std::vector<Question> of_size(Shape shape, double size) {
     return all;
 }
 
-/// A shape along an axis, which may lie along x, y or z, or oblique.
+/// True for shapes with an axis, which may lie along x, y or z, or at an angle.
 bool has_axis(Shape shape) {
     return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
         return key.kind == Key::Kind::direction || key.limit == Key::Limit::apart_from_before;
     });
 }
 
-/// A solid that lies and is shaped at random, of numbers that floats hold. An upright one has its axis along x, y or z.
+/// A primitive of random position and shape, in numbers that floats can represent. An upright one has its axis along x,
+/// y or z.
 Solid<double> random_solid(Shape shape, bool upright, Random& random) {
     for (;;) {
         const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
@@ -101,7 +103,7 @@ double half_extent_of(const Solid<double>& solid) {
     return std::min(visit(solid, [](const auto& shape) { return shape.half_extent(); }), 4.0);
 }
 
-/// Whether small changes of the ray change the answer by little: then every usual formula gets it right.
+/// True if small changes of the ray change the answer only a little. Every usual formula then gets it right.
 bool is_benign(const Trial& trial, const Question& q, Random& random) {
     const HitOrMiss right = trial.truth(q);
     const double size = half_extent_of(solid_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
@@ -116,7 +118,7 @@ bool is_benign(const Trial& trial, const Question& q, Random& random) {
     return true;
 }
 
-/// A way to aim rays.
+/// A method of aiming rays.
 struct Aim {
     const char* words;
     Question (*make)(const Solid<double>& solid, Random& random);
@@ -179,7 +181,7 @@ std::string words_of(const Trial& trial, const HitOrMiss& d) {
     return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
 }
 
-/// The rays of one aim, at solids as they lie in scenes, and at the one whose numbers are 0 and 2.
+/// Rays of one method of aiming, at primitives as in scenes, and at the one with numbers 0 and 2.
 std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     Random random;
     std::vector<Question> all;
@@ -194,7 +196,7 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     return all;
 }
 
-/// How many of some rays are answered wrongly, and the first such.
+/// Number of wrong answers among some rays, and a description of the first.
 struct Wrong {
     std::size_t asked = 0, wrong = 0;
     std::string first = {};
@@ -210,10 +212,11 @@ struct Wrong {
             if (wrong++ > 0) continue;
             first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
                     numbers_text(std::span(q.solid).first(row_of(trial.shape).numbers)) + ": " +
-                    words_of(trial, right) + " is right, it says " + words_of(trial, taken);
+                    words_of(trial, right) + " is right, it answers " + words_of(trial, taken);
         }
     }
-    /// Some of the rays have coordinates and directions for which its arithmetic is not enough.
+    /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
+    /// enough.
     [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
     [[nodiscard]] std::string words(const Aim& aim) const {
         return std::to_string(wrong) + " of " + std::to_string(asked) + " rays " + aim.words +
@@ -239,8 +242,8 @@ void try_scale(Trial& trial) {
             if (!is_right)
                 return trial.broken("where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
                                     words_of(trial, taken) + " where " + words_of(trial, right) +
-                                    " is right: it seems to compare with a number that is no share of its inputs, an "
-                                    "epsilon; no word says that");
+                                    " is right: it seems to compare with a fixed number, an epsilon, that does not "
+                                    "scale with its inputs; no property declares that");
         }
         for (int k = 1; k <= most; ++k) {
             const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, k));
@@ -261,7 +264,7 @@ void try_rays(Trial& trial) {
         if (upright && !has_axis(trial.shape)) continue;
         for (const Aim& aim : aims) {
             const std::vector<Question> questions = aimed(trial, aim, upright);
-            if (questions.size() < 24) continue;  // from within what is flat
+            if (questions.size() < 24) continue;  // rays from within a flat shape
             const Wrong found(trial, questions);
             asked += found.asked;
             if (found.wrong == 0) continue;
@@ -271,7 +274,7 @@ void try_rays(Trial& trial) {
             if (oblique) return;
         }
     }
-    trial.kept(std::to_string(asked) + " rays at " + plural + " that lie at random have the right answer");
+    trial.kept(std::to_string(asked) + " rays at " + plural + " in random positions get the right answer");
 }
 
 }  // namespace lostbits::measure::contract

@@ -19,12 +19,13 @@ std::size_t count_unexplained(const std::vector<Judged>& some, const Explains& e
     return some.size() - static_cast<std::size_t>(std::ranges::count_if(some, explains));
 }
 
-/// Nine in ten of some answers, of which there is one at least.
+/// True if nine in ten of the answers are explained; there must be at least one.
 bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
     return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
 }
 
-/// `1000` for 1000.02: a factor as far as 2^-8 of it is known, and with the name of units where they have it.
+/// Text of a factor that is known to 2^-8 of itself, such as `1000` for 1000.02, with the names of the units if they
+/// are known.
 std::string factor_text(double factor) {
     for (const KnownUnits& units : known_units) {
         if (is_about(factor, units.factor))
@@ -33,7 +34,7 @@ std::string factor_text(double factor) {
     return fmt::format("{:.3g} times what is right", factor);
 }
 
-/// A factor of units, or a power of two or ten that is no small one: what is written on purpose.
+/// True for a factor between known units, and for a large power of two or ten: factors that are written on purpose.
 bool is_round(double factor) {
     const auto is_power = [factor](double base) {
         return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
@@ -43,7 +44,7 @@ bool is_round(double factor) {
                                [factor](const KnownUnits& units) { return is_about(factor, units.factor); });
 }
 
-/// How many are wrong in which way, where nothing known explains them.
+/// Counts of wrong answers by kind, if no known mistake explains them.
 std::string ways_of(const std::vector<Judged>& wrong) {
     std::size_t missed = 0, hit = 0, no_number = 0;
     for (const Judged& j : wrong) {
@@ -63,10 +64,10 @@ std::string ways_of(const std::vector<Judged>& wrong) {
     return words;
 }
 
-/// The answers that something is said of: of rays that hit or should, or of fewer.
+/// Answers to analyse: those of rays that hit or should hit, or of fewer.
 struct Asked {
-    std::vector<Judged> all, wrong, right_misses;  ///< what is rightly missed stands beside `all`
-    std::uint64_t more_right_misses = 0;           ///< beside those, known by their number alone
+    std::vector<Judged> all, wrong, right_misses;  ///< right misses are kept apart from `all`
+    std::uint64_t more_right_misses = 0;           ///< further right misses, of which only the number is known
 
     Asked() = default;
     template <class Belongs>
@@ -83,7 +84,7 @@ struct Asked {
         if (!is_right(j)) wrong.push_back(j);
     }
 
-    /// Every second of each kind of answer, and the others: what is made from one half is tested on the other.
+    /// Divides every kind of answer into two halves: a guess made from one half is tested on the other.
     [[nodiscard]] std::array<Asked, 2> halves() const {
         std::array<Asked, 2> two;
         std::array<std::size_t, 8> seen{};
@@ -103,8 +104,8 @@ struct Asked {
         if (all.size() == 1) return fmt::format("wrong on the one ray that {}: ", which);
         return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
     }
-    /// Whether a reason explains nine in ten of the wrong answers; of one that would change right ones too, nine in ten
-    /// of all and of the hits, and what is rightly missed counts against it.
+    /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
+    /// explain nine in ten of all answers and of the hits, and right misses count against it.
     [[nodiscard]] bool is_explained_by(const Reason& reason) const {
         using About = Reason::About;
         if (!explains_most(wrong, reason.explains)) return false;
@@ -120,8 +121,8 @@ struct Asked {
     }
 
 private:
-    /// What the better of two leaves open that say the same of every ray: that it is missed, and that it is hit where
-    /// it truly is. A guess that does no better explains nothing.
+    /// Number of answers left unexplained by the better of two constants: "every ray misses", and "every ray hits where
+    /// it truly does". A guess that does no better explains nothing.
     [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<Judged>& hits, bool decides) const {
         const std::size_t misses = all.size() - hits.size() + right_misses.size() + more_right_misses;
         const auto is_no_more_than_a_hit = [decides](const Judged& j) {
@@ -137,10 +138,10 @@ double middle_of(std::vector<double> numbers) {
     return *middle;
 }
 
-/// The one factor by which nine in ten of the wrong answers and false hits are off, made from every second one and
-/// tested on the others; empty where there is none. Answers that are all the same have no units. A factor that is not
-/// round has to explain true t that differ by more than a twentieth, and better than one number that is added to all
-/// does: near 1, and where all t are about the same, the two say the same.
+/// Finds one factor by which nine in ten of the wrong answers and false hits are off. It is made from every second one
+/// and tested on the others; empty if there is none. Answers that are all equal have no units. A factor that is not
+/// round must explain true t that differ by more than a twentieth, and must explain them better than adding one number
+/// does. Near 1, and where all t are about the same, the two cannot be told apart.
 std::string other_units(const std::array<Asked, 2>& halves) {
     std::vector<double> factors, offsets;
     for (const Judged& j : halves[0].wrong) {
@@ -176,7 +177,7 @@ std::string other_units(const std::array<Asked, 2>& halves) {
 std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_t more_misses) {
     Asked asked(rays);
     asked.more_right_misses = more_misses;
-    // Of rays that both hit, where there are enough of them, t alone is asked about.
+    // If enough rays both hit and should hit, mistakes about t are tested on those only.
     const Asked both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
     const Asked hits(rays, [](const Judged& j) { return j.hit; });
     const bool most_hit = 2 * both.all.size() >= asked.all.size();
@@ -192,8 +193,7 @@ std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
         return both.count("hit and should") + units;
-    return asked.count("hit or should") + ways_of(asked.wrong) +
-           "; no mistake that is known here explains nine in ten of them";
+    return asked.count("hit or should") + ways_of(asked.wrong) + "; no known mistake explains nine in ten of them";
 }
 
 }  // namespace lostbits::measure::contract

@@ -1,4 +1,5 @@
-// When an intersector from outside is wrong on most rays, arithmetic is seldom the reason: its contract is.
+// Guesses the mistake when an external intersector is wrong on most rays: the reason is then seldom its arithmetic, and
+// usually its contract.
 #pragma once
 
 #include <cstdint>
@@ -9,45 +10,51 @@
 
 namespace lostbits::measure::contract {
 
-/// A ray, the solid that it truly hits (that it was given, where it misses), and what an intersector made of it.
+/// A ray, the primitive that it truly hits (or that it was tested against, if it misses), and the answer of an
+/// intersector.
 struct Judged {
     Ray<double> ray;
     Solid<double> solid;
     bool truly_hits = false;
-    bool unit = false;         ///< by contract directions have unit length and t is a distance
-    double true_t = 0;         ///< in the measure that the contract names
-    double other_measure = 0;  ///< the parameter where t is a distance, the distance where it is the parameter
+    bool unit = false;         ///< by contract, directions have unit length and t is a distance
+    double true_t = 0;         ///< in the unit that the contract declares
+    double other_measure = 0;  ///< t in the other unit: the parameter for a distance, and the other way round
     bool hit = false;
     double t = 0;
 };
 
-/// Both measures of a true hit; `unit`: by contract directions have unit length.
+/// Makes a Judged with both units of a true hit. `unit`: by contract, directions have unit length.
 Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
               double t, const FloatFormat& format);
 
-/// Whose answers they are: what to write about a file is no word of a library's contract.
+/// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class Whose : std::uint8_t { intersector, file };
 
-/// What is wrong with answers most of which are: those that are off by more than 2^-8 of t and wrong decisions, where
-/// at least half of all that are not rightly missed are so. What explains nine in ten of them, in words with what to
-/// write; where nothing known does, how many are wrong, and how. Empty where fewer are.
-/// What is about t alone is asked of the rays that hit and should. A guess that would change right answers too explains
-/// nine in ten of all hits and of all answers, and leaves less than half of what "always a miss" and "always a hit"
-/// leave. Every guess holds on each of two halves of the rays: what is made from one half is tested on the other.
-///   a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
-///   near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or the
-///   end of the ray in its place, or exchanged with the origin · what lies behind · y and z exchanged · the solid, or
-///   t, in other units · hit inverted
-/// `more_misses`: rays that are rightly missed, beside those in `rays`.
+/// Describes what is wrong with answers if most are wrong; empty if fewer are. Wrong are decisions, and t that are off
+/// by more than 2^-8. Most means at least half of the answers that are not right misses. The text names the mistake
+/// that explains nine in ten of them and says what to write. If no known mistake does, it says how many are wrong, and
+/// in what way.
+///
+/// A mistake about t only is tested on the rays that hit and should. A guess that would change right answers too has to
+/// explain nine in ten of all hits and of all answers, and has to leave less than half of what "always a miss" and
+/// "always a hit" leave. Every guess must hold on each of two halves of the rays: it is made from one half and tested
+/// on the other. Known mistakes:
+///
+/// a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
+/// near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or
+/// replaced by the end of the ray, or exchanged with the origin · hits behind the ray · y and z exchanged · the
+/// primitive, or t, in other units · hit inverted
+///
+/// `more_misses`: number of right misses in addition to those in `rays`.
 std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
 
-/// The same of a row on a small picture of a scene, or on the first rays of a step of a sweep, of which `where` is the
-/// name. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
+/// The same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called `where`.
+/// The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
 std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
                       const std::string& where);
-/// Puts that in front of what is suspected, if anything is: of `all` rays so many were `counted`, which are the first
-/// `which`.
+/// Puts that beginning in front of a suspicion, unless it is empty: `counted` of `all` rays were counted, and they are
+/// the first `which`.
 std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
                        const std::string& suspicion);
 

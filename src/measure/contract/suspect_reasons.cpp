@@ -1,4 +1,4 @@
-// What each mistake of a contract would have made of an answer.
+// Predicts the answer that each mistake in a contract would give.
 #include "measure/contract/suspect_reasons.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@ namespace {
 
 using Line = Ends<double>;
 
-/// In double: good to many more bits than are asked about.
+/// Computes in double, which is accurate to many more bits than the comparison needs.
 std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
     const auto line = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
     return line && line->near <= line->far ? line : std::nullopt;
@@ -24,13 +24,14 @@ bool is_answer_of(const Judged& j, const Ray<double>& ray, const Solid<double>& 
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
 }
 
-/// The answer for another ray or another solid. One that is wrong and yet that of the ray's own line is about an end, a
-/// touch or a side: where both rays are alike it would be a sign of any exchange.
+/// True if the answer is that for another ray or another primitive. A wrong answer that fits the ray's own line does
+/// not count: it is about an end, a touch or a side. If the two rays are alike, it would fit any exchange.
 bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
     return is_answer_of(j, ray, solid) && (is_right(j) || !is_answer_of(j, j.ray, j.solid));
 }
 
-/// The answer for a solid of another length. A length that would be the same explains what is right.
+/// True if the answer is that for a primitive with another length. If the length does not change, only right answers
+/// fit.
 bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double)) {
     if (j.solid.shape != row.shape) return false;
     Solid<double> other = j.solid;
@@ -40,7 +41,7 @@ bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double))
     return is_about(length, is) ? is_right(j) : fits(j, j.ray, other);
 }
 
-/// The answer for a solid whose numbers are so many times as large.
+/// True if the answer is that for a primitive whose numbers are `factor` times as large.
 bool fits_scaled(const Judged& j, double factor) {
     Solid<double> other = j.solid;
     for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
@@ -53,13 +54,13 @@ bool is_in_other_measure(const Judged& j) {
     return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
 }
 
-/// Where the line enters and leaves, of a ray that starts between.
+/// The points at which the line enters and leaves, for a ray that starts between them.
 std::optional<Line> line_from_inside(const Judged& j) {
     const auto line = line_through(j.ray, j.solid);
     return j.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
 }
 
-/// What is made of a shape's length, of a radius: {0} is the key, {1} its letter, {2} the shape, {3} several.
+/// Mistake about a length of a shape, such as a radius: {0} is the key, {1} its letter, {2} the shape, {3} its plural.
 struct LengthMistake {
     const char *words, *to_library, *to_file;
     double (*change)(double);
@@ -92,8 +93,7 @@ std::vector<Reason> all_reasons() {
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
          [](const Judged& j) { return !j.unit && is_in_other_measure(j); }},
-        {"t is the ray's parameter, not a distance",
-         "leave out what says that directions have unit length (unit_direction, direction=unit)",
+        {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
          "leave --direction unit out", [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
     };
     for (const ShapeRow& row : shape_rows) add_lengths(row, all);
@@ -107,20 +107,20 @@ std::vector<Reason> all_reasons() {
              return line && j.truly_hits && j.true_t == 0 && is_about(j.t, line->far);
          }},
         {"from inside it answers with the near root, behind the ray",
-         "say so (near_root, roots=near), by which t < 0 is a miss", "say --inside near, by which t < 0 is a miss",
+         "say so (near_root, roots=near): t < 0 is then a miss", "say --inside near: t < 0 is then a miss",
          [](const Judged& j) {
              const auto line = line_from_inside(j);
              return line && is_about(j.t, line->near);
          }},
         {"from inside it answers with the near root without its sign",
-         "the root is behind the ray; the first with t >= 0 is asked for",
+         "the root is behind the ray; answer the first with t >= 0",
          "the root is behind the ray; the first with t >= 0 is right",
          [](const Judged& j) {
              const auto line = line_from_inside(j);
              return line && !is_about(-line->near, j.true_t) && is_about(j.t, -line->near);
          }},
         {"it answers with the far root, the exit in place of the entry",
-         "the first with t >= 0 is asked for, or near before far (roots)", "the first with t >= 0 is right",
+         "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
          [](const Judged& j) {
              const auto line = line_through(j.ray, j.solid);
              return j.hit && line && !is_about(line->far, j.true_t) && is_about(j.t, line->far);
@@ -152,7 +152,7 @@ std::vector<Reason> all_reasons() {
              return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.solid);
          },
          About::all},
-        {"y and z of the rays seem to be exchanged against those of the solid",
+        {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
          [](const Judged& j) {
              return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.solid);
@@ -161,10 +161,11 @@ std::vector<Reason> all_reasons() {
     };
     all.insert(all.end(), std::begin(more), std::end(more));
     for (const KnownUnits& units : known_units)
-        all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
-                                   units.factor, units.words),
-                       "hand over both in the same units", "write both in the same units",
-                       [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all});
+        all.push_back(
+            {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
+                         units.factor, units.words),
+             "hand over both in the same units", "write both in the same units",
+             [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all});
     all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                    "write 1 for a hit and 0 for a miss", [](const Judged& j) { return j.hit != j.truly_hits; },
                    About::decisions});

@@ -1,4 +1,4 @@
-// What rows of the table answer, for suspicion.
+// Collects the answers of rows of the table, for suspicion.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t most_rays = 4096;
 
-/// What a row makes of the rays of a band.
+/// Judges a row on the rays of a band.
 void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<Judged>& rays) {
     const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
     const answer::Answers answers = answer::evaluate(*row.form, in);
@@ -38,7 +38,7 @@ Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::T
     if (truth.is_hit()) {
         j.true_t = number(unit ? truth.distance : truth.t);
         j.other_measure = number(unit ? truth.t : truth.distance);
-        // The format holds no better answer.
+        // The format has no better answer.
         if (hit && std::isinf(t) && truth::ulp_error(t, unit ? truth.distance : truth.t, format) == 0) j.true_t = t;
     }
     return j;

@@ -1,5 +1,5 @@
-// What the probes of a contract have in common: a form from outside, asked directly, before the table makes it keep its
-// contract; and a name, which verdicts, crashes and the docs use.
+// Common parts of the probes of a contract. An external form is called directly, before the table enforces its
+// contract. Each probe has a name, which verdicts, crashes and the docs use.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,9 @@
 
 namespace lostbits::measure::contract {
 
-/// One ray against one solid, in numbers that binary32 holds.
+/// One ray and one primitive, in numbers that binary32 represents.
 struct Question {
-    std::array<double, 6> ray;               ///< origin, direction
+    std::array<double, 6> ray;               ///< origin and direction
     std::array<double, most_numbers> solid;  ///< as in `Solid::numbers`
     double end = std::numeric_limits<double>::infinity();
     double start = 0;
@@ -37,8 +37,8 @@ struct Reply {
     friend bool operator==(const Reply&, const Reply&) = default;
 };
 
-/// A flat solid around a point shows its back to rays that go up. Whom it is not there to is asked in the mirror z →
-/// −z, where it shows its front.
+/// A flat primitive around a point shows its back to rays that go up. For a form that only sees fronts, the question is
+/// mirrored, z → −z, so that the ray meets the front.
 inline Question from_its_side(Question q, const intersect::doors::Contract& contract) {
     if (contract.facing != intersect::Facing::front) return q;
     for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
@@ -50,7 +50,8 @@ inline Question from_its_side(Question q, const intersect::doors::Contract& cont
     return q;
 }
 
-/// The questions as one batch, each with a solid of its own unless `one_solid`, which is the first's.
+/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_solid`: then all have
+/// the first.
 template <class S>
 std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
                           bool one_solid) {
@@ -95,7 +96,7 @@ inline Reply ask(const intersect::doors::ForeignForm& form, const Question& ques
     return ask(form, std::span(&question, 1)).front();
 }
 
-/// The ray and the solid of a question, as they are asked.
+/// Ray and primitive of a question.
 inline Ray<double> ray_of(const Question& q) {
     return {{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
 }
@@ -105,13 +106,13 @@ inline Solid<double> solid_of(const Question& q, Shape shape) {
     return solid;
 }
 
-/// A hit with its t, or a miss: what is right, or what the table takes an answer for.
+/// A hit with its t, or a miss: the truth, or the table's reading of an answer.
 struct HitOrMiss {
     bool hit = false;
     double t = 0;
 };
 
-/// The truth about a question as it is asked, by a contract. Directions have unit length where it says so.
+/// Truth of a question by a contract. Directions have unit length if the contract says so.
 inline HitOrMiss truth_by(const intersect::doors::Contract& contract, const Question& asked) {
     const truth::Truth truth =
         truth::find_truth(ray_of(asked), solid_of(asked, contract.shape), {},
@@ -121,7 +122,7 @@ inline HitOrMiss truth_by(const intersect::doors::Contract& contract, const Ques
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 
-/// What the table takes a reply for by a contract.
+/// The table's reading of a reply by a contract.
 inline HitOrMiss taken_by(const intersect::doors::Contract& contract, const Reply& r, const Question& asked) {
     const std::array<double, 2> near_far{r.near, r.far};
     const double end = told_end(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
@@ -148,28 +149,29 @@ inline std::string text_of(double x) {
     return {text.data(), static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.7g", x))};
 }
 
-/// A solid of half-width `half` around (0, 0, z), and a ray along the z axis: from (0, 0, -5) it is met at 3 and left
-/// at 7 where the half-width is 2 and z is 0.
+/// A primitive of half-width `half` around (0, 0, z), and a ray along the z axis. A ray from (0, 0, -5) enters at 3 and
+/// leaves at 7 if the half-width is 2 and z is 0.
 inline Question along(Shape shape, double from, double direction, double z = 0, double half = 2) {
     Question q{.ray = {0, 0, from, 0, 0, direction}, .solid = {}};
     std::ranges::copy(solid_around<double>(shape, {0, 0, z}, half).used(), q.solid.begin());
     return q;
 }
 
-/// Where the line of a ray enters and leaves its solid; nothing where it does not.
+/// The points at which the line of a ray enters and leaves its primitive; nothing if it does not meet it.
 inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     const auto ends =
         with_span(ray_of(q), solid_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
-/// Of a solid where a line enters and leaves; a tube is, though it has no inside, and what is flat is not.
+/// True for shapes that a line enters and leaves. That includes a tube, although it has no inside, and excludes flat
+/// shapes.
 inline bool is_crossed_twice(Shape shape) {
     const auto ends = ends_of(along(shape, 1, 1), shape);
     return ends && ends->near < ends->far;
 }
 
-/// What is tried of one form.
+/// Probes of one form, with their findings.
 class Trial {
 public:
     explicit Trial(const intersect::doors::ForeignForm& tried)
@@ -178,7 +180,7 @@ public:
           shape(contract.shape),
           tells_t(contract.roots != intersect::Roots::none) {}
 
-    /// Runs one probe. What it finds has its name, and what ends it too.
+    /// Runs one probe. Its findings, and the errors that end it, carry its name.
     template <class Probe>
     void probe(const char* name, const Probe& run) {
         name_ = name;
@@ -202,18 +204,18 @@ public:
         return std::ranges::any_of(findings,
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
-    /// True where a probe of this name found a broken promise.
+    /// True if a probe of this name found a broken promise.
     [[nodiscard]] bool breaks(std::string_view name) const {
         return std::ranges::any_of(findings, [name](const Observation& f) {
             return f.subject == name && f.verdict == Observation::Verdict::broken;
         });
     }
-    /// The truth by the trial's contract, or by another that was asked the same.
+    /// Truth by the trial's contract, or by another contract for the same question.
     [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
     [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::doors::Contract& by) const {
         return truth_by(by, from_its_side(q, contract));
     }
-    /// Whether a reply is the true answer by a contract.
+    /// True if a reply is the true answer by a contract.
     [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::doors::Contract& by) const {
         const HitOrMiss right = truth(q, by), taken = taken_by(by, r, q);
         return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
@@ -235,15 +237,15 @@ private:
 /// Probes of one promise each (probe_surface.cpp).
 void try_inside(Trial& trial);
 void try_facing(Trial& trial);
-/// Of what misses the plainest ray: whether it hits from the other side, which it is told of then.
+/// For a form that misses the plainest ray: true if it hits from the other side; then reports that.
 bool try_other_side(Trial& trial);
 void try_touching(Trial& trial);
-/// Rays in the plane of what is flat, which cross nothing.
+/// Probes with rays in the plane of a flat primitive, which they do not cross.
 void try_within(Trial& trial);
 void try_at_origin(Trial& trial);
 void try_close(Trial& trial);
 
-/// Probes that ask what the truth is, of many rays (probe_truth.cpp).
+/// Probes that compare with the truth on many rays (probe_truth.cpp).
 void try_scale(Trial& trial);
 void try_rays(Trial& trial);
 

@@ -24,8 +24,9 @@ double frobenius(const std::array<Vec<double>, 3>& m) {
     return std::sqrt(sum);
 }
 
-/// How large the numbers are that make a point of the world of one of the solid, |A| |p| + |τ|, and ‖A‖ ‖A⁻¹‖/3 with
-/// Frobenius' norm, between a third of κ and κ: 1 of turns and even scales.
+/// Sizes of a matrix: `size` bounds the numbers that turn a point of the primitive into one of the world, |A| |p| +
+/// |τ|. `condition` is ‖A‖ ‖A⁻¹‖/3 with Frobenius' norm, which lies between κ/3 and κ and is 1 for rotations and even
+/// scales.
 struct Spread {
     double size = 0, condition = 1;
 
@@ -38,7 +39,7 @@ struct Spread {
     }
 };
 
-/// How far a form can be off that squares lengths, beside the box of the solid.
+/// Distance beyond the primitive's box at which a form that squares lengths may still claim a hit.
 double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatFormat& format) {
     if (solid.placed || !length_key(solid.shape)) return 0;
     const auto ball = ball_around(solid);
@@ -47,11 +48,11 @@ double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatF
     return std::sqrt(std::ldexp(64, -format.precision) * sum);
 }
 
-/// Lengths below it are roots of squares that may have lost bits, or all, to underflow.
+/// Smaller lengths are roots of squares that may have lost bits, or all of them, to underflow.
 constexpr double least_trusted = 0x1p-400;
 
-/// The box of a solid, under a matrix that of the ball around it, wider by `growth`. Nothing where it is not finite or
-/// not to be trusted, and where the solid has none: a plane, or one under a stored inverse.
+/// Bounding box of a primitive, widened by `growth`; under a matrix, the box of the ball around it. Nothing if it is
+/// not finite or cannot be trusted, and if the primitive has none: a plane, or one under a stored inverse.
 std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth) {
     if (!has_hull(solid.shape) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
     Hull<double> hull;
@@ -59,7 +60,7 @@ std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double gr
         const auto own = visit(solid, [](const auto& shape) { return shape.ball_around(); });
         if (!(std::min(own.radius, frobenius(solid.placed->map().rows)) >= least_trusted)) return std::nullopt;
         const auto ball = ball_around(solid);
-        const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
+        const double reach = ball.radius * (1 + 0x1p-40);  // the radius is rounded
         hull = {ball.centre - Vec<double>(reach, reach, reach), ball.centre + Vec<double>(reach, reach, reach)};
     } else {
         hull = hull_of(solid);
@@ -93,8 +94,8 @@ std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, co
         const double growth = format ? growth_of(solid, bounds, *format) : 0;
         const auto box = box_of(solid, growth);
         const Spread spread(solid);
-        // Under a matrix a rounded inverse is off by κu of itself, and what it is off by in the space of the solid
-        // becomes κ times as much in the world.
+        // Under a matrix, a rounded inverse is off by κu of itself. An error in the space of the primitive becomes κ
+        // times as large in the world.
         const double its_rounding = solid.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
         if (!box || (solid.placed && format && !(its_rounding < 0x1p-5))) {
             tree->asked_each_.push_back(i);
@@ -108,7 +109,7 @@ std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, co
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
     if (tree->order_.empty()) return nullptr;
-    // |(x, y, z)| ≤ √3 max |x|. Of lengths below the least float squares may underflow, and so may a margin times
+    // |(x, y, z)| ≤ √3 max |x|. Squares of lengths below the least float may underflow, and so may a margin times
     // 1/|d|.
     tree->margin_ = (0x1p-40 + std::min(widest, 0x1p-5)) * (bounds.origin + 1.75 * reach + 0x1p-149);
     tree->behind_ = growth_of_all;
@@ -156,14 +157,14 @@ void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& fou
             const double lo = static_cast<double>(box[static_cast<std::size_t>(k)]) - margin_ - o[k],
                          hi = static_cast<double>(box[static_cast<std::size_t>(k + 3)]) + margin_ - o[k];
             if (d[k] == 0 && (lo > 0 || hi < 0)) return false;
-            if (std::isinf(inverse[k])) continue;  // of a component that is zero, or so small that 1/d overflows
+            if (std::isinf(inverse[k])) continue;  // the component is zero, or so small that 1/d overflows
             const double a = lo * inverse[k], b = hi * inverse[k];
             enter = std::max(enter, std::min(a, b));
             leave = std::min(leave, std::max(a, b));
         }
         return enter <= leave;
     };
-    std::array<std::uint32_t, 64> later;  // halves: a tree over 2^32 solids is 32 deep
+    std::array<std::uint32_t, 64> later;  // nodes to visit: a tree over 2^32 primitives is 32 deep
     std::size_t waiting = 0;
     later[waiting++] = 0;
     while (waiting > 0) {

@@ -50,7 +50,7 @@ constexpr std::size_t least_solids = 64;
 
 double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// B at most, and the radius of the smallest sphere.
+/// Upper bound of B, and the radius of the smallest sphere.
 struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
 };
@@ -60,7 +60,7 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
     double reach = 0;
     for (std::size_t i = 0; i < solids.size(); ++i) {
         const Solid<double> solid = solids[i];
-        // The bound is of forms for round solids, in the space of the rays.
+        // The bound holds for forms of round primitives, in the space of the rays.
         if (!row_of(solid.shape).round || solid.placed) return std::nullopt;
         const auto s = ball_around(solid);
         const double one = size_of(s.centre) + s.radius;
@@ -72,7 +72,7 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
     return e;
 }
 
-/// The box around some spheres.
+/// Bounding box of some spheres.
 struct Around {
     Vec<double> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
 
@@ -92,7 +92,7 @@ RayBounds bounds_of(const scene::rays::RayBlock& rays) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<double> r = rays[i];
         const double d = size_of(r.direction);
-        // NaN and infinity make every bound useless, and are seen as such.
+        // NaN and infinity make every bound useless; these values mark that.
         if (!std::isfinite(d) || !std::isfinite(size_of(r.origin))) return {HUGE_VAL, 0, HUGE_VAL};
         b.origin = std::max(b.origin, size_of(r.origin));
         b.direction = std::max(b.direction, d);
@@ -119,14 +119,14 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 
 namespace {
 
-/// A form that marches wants its solids one by one in memory.
+/// A form that marches needs its primitives in memory one by one.
 SolidList<double> shared_of(const scene::file::Scene& scene) {
     return scene.march ? SolidList(scene::rays::shared_solids(scene)) : scene::rays::shared_solid_list(scene);
 }
 
 bool are_many(const SolidList<double>& solids) { return solids.size() >= least_solids || solids.mesh() != nullptr; }
 
-/// A flake of millions takes a byte a sphere in an index of spheres, and some 60 in a tree.
+/// An index of spheres is preferred: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
 std::shared_ptr<const SolidIndex> index_of(const SolidList<double>& solids, const RayBounds& bounds,
                                            const FloatFormat* format) {
     if (auto spheres = SphereIndex::make(solids, bounds, format)) return spheres;
@@ -140,7 +140,7 @@ Culler::Culler(const scene::file::Scene& scene) {
     if (own) ideal_ = scene.march ? SolidList<Real>(scene.solids()) : scene::rays::ideal_solid_list(scene);
     else stored_ = shared_of(scene);
     if (scene.solid_count() < least_solids && !scene.mesh) return;
-    if (scene.camera.rays) {  // nothing bounds what a format makes of them
+    if (scene.camera.rays) {  // the rays that a format makes have no bounds
         bounds_ = {HUGE_VAL, 0, HUGE_VAL};
         return;
     }
@@ -171,7 +171,7 @@ std::shared_ptr<const SolidIndex> Culler::index_in(Indices& known, const FloatFo
                                                    const SolidList<double>& solids, bool widened) {
     const auto [place, fresh] = known.try_emplace({format.precision, format.emin, format.emax});
     if (fresh && are_many(solids)) {
-        // The rays as the format rounds them.
+        // Bounds of the rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
         place->second = index_of(
             solids,
@@ -280,7 +280,7 @@ namespace {
 using Certain = number::wide::Running<double>;
 using Decision = mask_t<Certain>;
 
-/// Decides if a ray begins in the closed solid: no for what has no inside.
+/// True if a ray begins in the closed primitive; false for shapes without an inside.
 Decision begins_inside(const QuadraticSpan<Certain>& s) { return s.c <= Certain(0); }
 Decision begins_inside(const QuarticSpan<Certain>& s) { return s.f.at(s.b) <= Certain(0); }
 Decision begins_inside(const SlabSpan<Certain>& s) {

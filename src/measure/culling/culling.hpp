@@ -1,4 +1,4 @@
-// Which of many spheres a ray can meet at all, or a form can be misled to say that it meets.
+// Finds, among many spheres, those that a ray can meet, or that rounding can make a form claim.
 #pragma once
 
 #include <array>
@@ -17,74 +17,76 @@
 
 namespace lostbits::measure::culling {
 
-/// Candidates among many solids for rays within stated bounds: supersets, never missing one that the line of the ray
-/// meets at t ≥ 0.
+/// Index that finds candidates among many primitives, for rays within stated bounds. The candidates are a superset:
+/// they include every primitive that the line of the ray meets at t ≥ 0.
 class SolidIndex {
 public:
     virtual ~SolidIndex() = default;
-    /// Fills `found` with the candidates for a ray in rising order.
+    /// Fills `found` with the candidates for a ray in ascending order.
     virtual void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const = 0;
 };
 
-/// The candidates of every ray of a block, found once for all forms: pairs of a ray and a solid, ray by ray.
+/// Candidates of every ray of a block, found once for all forms: pairs of a ray and a primitive, ray by ray.
 class CandidateLists {
 public:
     CandidateLists(const SolidIndex& index, const scene::rays::RayBlock& rays);
-    /// Those of some rays of `all`, in their order.
+    /// Takes the candidates of some rays of `all`, in their order.
     CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays);
 
     [[nodiscard]] std::size_t rays() const { return ends_.size() - 1; }
     [[nodiscard]] std::size_t pairs() const { return solids_.size(); }
-    /// The place of the first pair of ray i among all; of ray `rays()` the end.
+    /// Index of the first pair of ray i; for i = `rays()`, the number of pairs.
     [[nodiscard]] std::size_t first(std::size_t i) const { return ends_[i]; }
-    /// The solid of a pair.
+    /// Primitive of a pair.
     [[nodiscard]] std::uint32_t solid(std::size_t pair) const { return solids_[pair]; }
     [[nodiscard]] std::span<const std::uint32_t> of(std::size_t i) const {
         return std::span(solids_).subspan(ends_[i], ends_[i + 1] - ends_[i]);
     }
 
 private:
-    std::vector<std::size_t> ends_{0};  ///< where the pairs of each ray begin, and the end of all
+    std::vector<std::size_t> ends_{0};  ///< index of the first pair of each ray, and the number of pairs
     std::vector<std::uint32_t> solids_;
 };
 
-/// How large the numbers of a picture are: bounds over all of its rays.
+/// Bounds on the numbers of a picture, over all of its rays.
 struct RayBounds {
-    double origin = 0;                          ///< |origin| at most
-    double least_direction = 0, direction = 0;  ///< lengths of the directions
+    double origin = 0;                          ///< upper bound of |origin|
+    double least_direction = 0, direction = 0;  ///< bounds of the lengths of the directions
 };
 
-/// Of the rays in a block, or of both.
+/// Bounds of the rays in a block; `join` makes the bounds for both.
 RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
-/// B of the index of spheres, for rays that begin within `origin` of the world's origin and solids that end within
+/// B of the index of spheres, for rays that begin within `origin` of the world's origin and primitives that end within
 /// `reach` of it.
 double sum_of_squares(double origin, double reach);
-/// Whether what forms for a sphere with this B and this radius square stays in the format. They square lengths,
-/// multiply by |d|² and by 4, and Newton's step once more by about as much.
+/// True if no square overflows or vanishes in the format when forms test a sphere with this B and this radius. They
+/// square lengths and multiply by |d|² and by 4; Newton's step multiplies once more by about as much.
 bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& format);
 
-/// Candidates among n spheres for rays within stated bounds: supersets, never missing one that matters.
+/// Index that finds candidates among n spheres, for rays within stated bounds. The candidates are a superset of the
+/// spheres that matter.
 ///
-/// For the truth: the spheres that the line comes within 2^-40 of the picture's size of (that covers this file's
-/// arithmetic and the rounding of ideal rays to binary64). For forms in a format with unit roundoff u also those that
-/// rounding can make a hit of: every form decides by the sign of something like r² − l², l the distance of the centre
-/// from the line, which it knows to an error of at most K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)²: products
-/// of those lengths are all that it adds. Counting roundings gives K < 30 for the worst of the forms; 64 is taken. A
-/// sphere is a candidate where l² ≤ r² + 64·u·B. A test compares with brute force for every form. The bound needs
-/// squares that neither overflow nor vanish: see `make`.
+/// For the truth, they are the spheres that the line approaches to within 2^-40 of the picture's size. That covers this
+/// file's arithmetic and the rounding of ideal rays to binary64.
 ///
-/// Spheres that stand together are asked together: 64 to a block, 8192 to a page, each with a ball around all that its
-/// spheres can reach. The order of a flake keeps neighbours together, so no tree over them is needed: the balls take
-/// one byte a sphere, and what is found are runs of places, which the kernels read where they stand.
+/// For forms in a format with unit roundoff u, they include those that rounding can make a form hit. Every form decides
+/// by the sign of something like r² − l², where l is the distance of the centre from the line. Its error is at most
+/// K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)², since it adds only products of those lengths. Counting
+/// roundings gives K < 30 for the worst of the forms; 64 is used. A sphere is a candidate if l² ≤ r² + 64·u·B. A test
+/// compares with brute force for every form. The bound needs squares that neither overflow nor vanish: see `make`.
+///
+/// Neighbouring spheres are tested together, 64 in a block and 8192 in a page, each with a ball around all that its
+/// spheres can reach. The order of a flake keeps neighbours together, so no tree is needed. The balls take one byte for
+/// each sphere. The result is runs of indices, which the kernels read in place.
 class SphereIndex : public SolidIndex {
 public:
     static constexpr std::size_t block = 64, page = 8192;
 
-    /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), or
-    /// where there are fewer than 64 solids or one that is not round: ask every solid then. `format` null: for the
-    /// truth.
+    /// Makes an index. Returns nothing if no index can be trusted (squares of the picture's numbers overflow or vanish
+    /// in the format), if there are fewer than 64 primitives, or if one is not round: test every primitive then.
+    /// `format` null: for the truth.
     static std::shared_ptr<const SphereIndex> make(const scene::rays::SolidList<double>& solids,
                                                    const RayBounds& bounds, const FloatFormat* format);
 
@@ -101,13 +103,14 @@ public:
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
 
     [[nodiscard]] std::size_t pages() const { return pages_.x.size(); }
-    using Run = std::pair<std::size_t, std::size_t>;  ///< places [first, second)
+    using Run = std::pair<std::size_t, std::size_t>;  ///< indices [first, second)
     enum class Grain { blocks, spheres };
-    /// Fills `runs` with places of page p in rising order: the candidates alone, or whole blocks with all of them.
+    /// Fills `runs` with indices of page p in ascending order: only the candidates, or whole blocks that contain all of
+    /// them.
     void find_runs(const UnitRay& line, std::size_t p, Grain grain, std::vector<Run>& runs) const;
 
 private:
-    /// Balls around what runs of spheres can reach.
+    /// Balls around all that runs of spheres can reach.
     struct Balls {
         std::vector<double> x, y, z, reach;
         [[nodiscard]] Vec<double> centre(std::size_t i) const { return {x[i], y[i], z[i]}; }
@@ -123,26 +126,27 @@ private:
     scene::rays::SolidList<double> solids_;
     Balls pages_, blocks_;
     double rounding_ = 0;  ///< 64·u
-    double origin_ = 0;    ///< |O| at most
-    double margin_ = 0;    ///< of this file's arithmetic
-    double behind_ = 0;    ///< how far in front of the origin a candidate may end
+    double origin_ = 0;    ///< upper bound of |O|
+    double margin_ = 0;    ///< covers this file's arithmetic
+    double behind_ = 0;    ///< distance before the origin at which a candidate may end
 };
 
-/// The solids of a picture and their indices, made once for all of its bands. One thread at a time.
+/// Primitives of a picture and their indices, made once for all of its bands. Not for several threads at once.
 class Culler {
 public:
     explicit Culler(const scene::file::Scene& scene);
-    /// Of one ray alone, among the solids of a scene with shared inputs.
+    /// Makes a culler for a single ray, among the primitives of a scene with shared inputs.
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
-    /// Of rays that are not those of a scene.
+    /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::SolidList<double> solids, const scene::rays::RayBlock& rays);
 
-    /// What the bands of a scene with shared inputs, and of one with own inputs, are made of.
+    /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
     [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }
     [[nodiscard]] const scene::rays::SolidList<Real>& ideal() const { return ideal_; }
-    /// For the truth of the solids as given. May be null, as may those of a format: ask every solid then.
+    /// Index for the truth of the primitives as given. May be null, as may those of a format: test every primitive
+    /// then.
     [[nodiscard]] const SolidIndex* for_truth() const { return truth_.get(); }
-    /// For forms in a format that are given `solids`, and for the truth of those. Made when it is first asked for.
+    /// Indices for forms in a format that receive `solids`, and for the truth of those. Made on first use.
     std::shared_ptr<const SolidIndex> for_forms(const FloatFormat& format,
                                                 const scene::rays::SolidList<double>& solids);
     std::shared_ptr<const SolidIndex> for_own_truth(const FloatFormat& format,
@@ -159,8 +163,8 @@ private:
     Indices forms_, own_truths_;
 };
 
-/// Decides if a ray may start in the solid or on it: no only where bounds on all roundings prove that it does not, so
-/// that what overflows, underflows or is too near to tell is a yes. What has no inside has no ray that starts there.
+/// True if a ray may start in the primitive or on it. False only if bounds on all roundings prove that it does not;
+/// results that overflow, underflow or are too close to tell give true. No ray starts in a shape without an inside.
 bool may_start_inside(const Ray<double>& ray, const Solid<double>& solid);
 
 }  // namespace lostbits::measure::culling

@@ -20,10 +20,10 @@ namespace {
 
 constexpr std::size_t eyes = 16, rays_of_eye = 32;
 
-/// A ray of a litter.
+/// One ray of a litter.
 struct Aimed {
     Ray<double> ray;
-    double distance;  ///< in lengths of the edge
+    double distance;  ///< from the eye, in lengths of the edge
     std::size_t edge, eye;
 };
 
@@ -34,7 +34,7 @@ scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
     return rays;
 }
 
-/// Whether the ray truly meets, where it meets the answered triangle, another one that the form claims too.
+/// True if the form also claims another triangle that the ray truly meets at the same t as the answered one.
 bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     const auto& candidates = *result.inputs->candidates;
     const auto met = static_cast<std::size_t>(result.answers->object[i]);
@@ -47,7 +47,7 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     return false;
 }
 
-/// What is remembered of a litter: the nearest ray with the outcome.
+/// Finds the nearest ray of a litter with the wanted outcome.
 class Judge {
 public:
     Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
@@ -81,7 +81,7 @@ private:
     const evaluate::TestedForm& row_;
 };
 
-/// The mesh as every row is given it.
+/// The mesh in the form in which every row receives it.
 struct Subject {
     explicit Subject(const scene::file::Scene& scene)
         : columns(scene::rays::shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
@@ -90,11 +90,11 @@ struct Subject {
         const auto& numbers = (*columns)[face].numbers;
         return {numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
     }
-    /// Across the face, to the side to which it is wound; of any length.
+    /// Normal of the face, on the side towards which it is wound; of any length.
     [[nodiscard]] Vec<double> normal(std::uint32_t face) const {
         return cross(corner(face, 1) - corner(face, 0), corner(face, 2) - corner(face, 0));
     }
-    /// The ends of an edge.
+    /// Ends of an edge.
     [[nodiscard]] std::array<Vec<double>, 2> ends(const SharedEdge& edge) const {
         const auto& corners = columns->mesh().faces[edge.faces[0]];
         const auto of = [&](std::uint32_t vertex) {
@@ -108,15 +108,15 @@ struct Subject {
     std::vector<SharedEdge> edges;
 };
 
-/// Where an eye stands: from a point of an edge so far away in a direction.
+/// Position of an eye: a distance in a direction from a point of an edge.
 struct Eye {
     std::size_t edge = 0;
-    double along = 0;  ///< of the way from one end of the edge to the other
-    Vec<double> away;  ///< of length 1
+    double along = 0;  ///< position of the point, as a fraction of the edge from one end
+    Vec<double> away;  ///< direction, of length 1
     double distance = 0;
 };
 
-/// One outcome of one row.
+/// Searches for one outcome of one row.
 class Search {
 public:
     Search(const EdgeRequest& request, const Subject& subject, const evaluate::TestedForm& row, std::size_t wanted)
@@ -131,7 +131,7 @@ public:
     void run(EdgeFinding& finding) {
         const std::int64_t litters =
             (file_.rays + eyes * rays_of_eye - 1) / static_cast<std::int64_t>(eyes * rays_of_eye);
-        // Rounding moves an eye a little.
+        // The tolerance allows for the rounding of an eye.
         const auto is_as_near_as_asked = [this] {
             return best_ && best_->distance <= file_.distance.low * (1 + 0x1p-10);
         };
@@ -144,7 +144,8 @@ public:
             if (few.empty()) continue;
             const Judge judge = judged(few);
             if (!judge.nearest || (best_ && judge.nearest->distance >= best_->distance)) continue;
-            // Among more rays a form is asked about more triangles: the boxes are as wide as the farthest needs.
+            // The ray is tested again alone. Among more rays a form is tested on more triangles, since the boxes are as
+            // wide as the farthest ray needs.
             const auto& [distance, ray, faces, t, truth] = *judge.nearest;
             if (!judged({{ray, distance, drawn[judge.eye].edge, judge.eye}}).nearest) continue;
             best_ = judge.nearest;
@@ -156,7 +157,7 @@ public:
 private:
     Vec<double> random_vector() { return {random_.between(-1, 1), random_.between(-1, 1), random_.between(-1, 1)}; }
 
-    /// To the side to which the edge's faces are wound.
+    /// A direction on the side towards which the edge's faces are wound.
     Vec<double> random_direction(const SharedEdge& edge) {
         Vec<double> v = random_vector();
         while (!(dot(v, v) <= 1 && dot(v, v) > 0x1p-20)) v = random_vector();
@@ -221,8 +222,9 @@ private:
         return direction;
     }
 
-    /// Those of a litter that may have the outcome, by what the form claims: of the others the truth, which takes a
-    /// hundred times as long, is not asked. A crack has neither face of its edge claimed, a double hit has two.
+    /// Rays of a litter that may have the outcome, judged by what the form claims: for a crack neither face of the
+    /// edge, for a double hit two faces. The truth of the others is not computed, since it takes a hundred times as
+    /// long.
     std::vector<Aimed> suspicious(const std::vector<Aimed>& litter) const {
         if (row_.form->info->direction == intersect::Direction::unit) return litter;
         truth::FormatInputs inputs{.format = row_.format, .rays = block_of(litter), .stop = request_.limit.stop};
@@ -266,7 +268,7 @@ private:
     const Subject& subject_;
     const evaluate::TestedForm& row_;
     std::size_t wanted_;
-    FloatFormat format_;  ///< of the numbers of rays
+    FloatFormat format_;  ///< format of the numbers of rays
     scene::rays::Random random_;
     std::vector<const metric::Metric*> metrics_{metric::find_metric("lost_bits"), metric::find_metric("ulp_error")};
     std::optional<NearestRay> best_;

@@ -1,4 +1,4 @@
-// The culprits of a picture, most frequent first: colours go by their place.
+// Culprits of a picture, most frequent first: their colours follow this order.
 #pragma once
 
 #include "measure/evaluate/evaluate.hpp"
@@ -6,12 +6,12 @@
 
 namespace lostbits::measure::evaluate {
 
-/// The same view in fewer rays: at most so many across.
+/// The same view with fewer rays: at most `most_across` in the longer direction.
 scene::file::Scene small_picture_of(const scene::file::Scene& scene, int most_across);
 
-/// The request's metrics with the categories of `culprit` in the order of how often they are to blame over all rows of
-/// a small picture of the scene (at most 96 rays across); what does not occur there comes after, in the order of the
-/// tapes. The same for any number of threads.
+/// The request's metrics, with the categories of `culprit` sorted by how often they are to blame. The counts are over
+/// all rows of a small picture of the scene (at most 96 rays across). Categories that do not occur there come last, in
+/// the order of the tapes. The result is the same for any number of threads.
 std::vector<const metric::Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& made);
 
 }  // namespace lostbits::measure::evaluate

@@ -108,7 +108,7 @@ unsigned needs_met_by(const intersect::table::Intersector& form) {
 
 namespace {
 
-/// Rows whose rays are made one way, by their places in the order of the rows; null: as the scene says.
+/// Rows with the same ray generator and their indices in the list of rows; null: rays as the scene makes them.
 struct RowsOfMaker {
     const scene::camera::Maker* maker;
     std::vector<TestedForm> rows;
@@ -127,12 +127,12 @@ std::vector<RowsOfMaker> by_maker(const std::vector<TestedForm>& rows) {
     return all;
 }
 
-/// Groups of rays with one solid each, as one group whose rays are paired with it.
+/// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct Joined {
     scene::rays::RayGroup rays = {.rays = {}, .solids = {}, .paired = true};
-    std::vector<std::size_t> first = {};  ///< of each group, the place of its first ray
+    std::vector<std::size_t> first = {};  ///< index of the first ray of each group
 
-    /// What names a ray of the whole names it by its group again.
+    /// Converts the position of a ray in the joined group to one in its own group.
     void name(WorstRay& w, const std::vector<scene::rays::RayGroup>& groups) const {
         if (w.x < 0) return;
         const auto i = static_cast<std::size_t>(w.x);
@@ -145,8 +145,8 @@ struct Joined {
     }
 };
 
-/// Nothing where there is one group, or where one of them is about several solids: what a band costs beside its rays
-/// is a hundred times what a ray costs, and families have a group for each ray.
+/// Joins the groups; nothing if there is only one, or if one of them has several primitives. Joining pays: the fixed
+/// cost of a band is a hundred times the cost of a ray, and ray distributions have a group for each ray.
 std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto fits = [&](const scene::rays::RayGroup& g) {
         return g.solids.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
@@ -166,7 +166,7 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
     return all;
 }
 
-/// Rows on one band, into the summaries of the same places.
+/// Measures rows on one band, into the summaries with the same indices.
 void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics,
                   const std::vector<FormSummary*>& summaries) {
     const BandOfRows shared(band, rows, metrics);
@@ -174,7 +174,7 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
         measure_row({rows[r], metrics, {}, group}, shared.of(rows[r]), *summaries[r]);
 }
 
-/// Rows on the rays of one group, into the summaries of the same places.
+/// Measures rows on the rays of one group, into the summaries with the same indices.
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<FormSummary*>& summaries) {
@@ -191,8 +191,8 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
         if (!rays.scene)
             throw InputError(
                 std::string(some.rows.front().form->info->name) +
-                ": the rays of this sweep are not those of a camera with a projection; name a sweep over a "
-                "scene that has [camera.projection]");
+                ": it makes camera rays, and the rays of this sweep do not come from a camera with a projection; name "
+                "a sweep over a scene that has [camera.projection]");
         const scene::file::Scene made = some.maker ? with_rays(*rays.scene, *some.maker) : *rays.scene;
         Band band(made, 0, made.height, limit);
         measure_band(band, group, some.rows, metrics, into);
@@ -205,7 +205,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
                                         const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
-    // A field of distances is of all solids of a group, whichever ray is asked about.
+    // Forms that march are not joined: a field of distances contains all primitives of a group, for every ray.
     std::optional<Joined> joined = join(groups);
     std::vector<TestedForm> at_once, one_by_one;
     std::vector<FormSummary*> of_once, of_each;
@@ -246,7 +246,8 @@ std::vector<int> bands_of(int width, int height, shard::Share share) {
 
 namespace {
 
-/// Rows over the pixels of a scene whose rays are made as it says, into the summaries of their places, and shown.
+/// Measures rows over the pixels of a scene, with rays as the scene makes them. Adds to the summaries at their indices
+/// and calls their `shows`.
 void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const EvaluationRequest& request,
               const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
     culling::Culler culler(scene);

@@ -12,7 +12,7 @@ namespace lostbits::measure::evaluate {
 
 namespace {
 
-/// Numbers by size, of equal ones and of words the texts.
+/// Order of values: numbers by size, then words. Equal numbers and words are ordered by their text.
 struct Rank {
     bool is_word;
     double number;
@@ -39,8 +39,8 @@ std::size_t Groups::place_of(const std::string& value) const {
 
 void Groups::insert(std::size_t at, Group&& group) {
     if (all_.size() == most)
-        throw InputError("more than " + std::to_string(most) + " values, such as " + all_.front().value + ", " +
-                         group.value + "; group by what many rays share, as a depth, a material or an instance");
+        throw InputError("more than " + std::to_string(most) + " values, such as " + all_.front().value + " and " +
+                         group.value + "; group by a column that many rays share, such as depth, material or instance");
     all_.insert(all_.begin() + static_cast<std::ptrdiff_t>(at), std::move(group));
 }
 

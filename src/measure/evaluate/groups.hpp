@@ -1,4 +1,5 @@
-// Rays by the values of a column of the user's own, such as depth, material or instance: a summary of each.
+// Groups rays by the values of a column of the user's own, such as depth, material or instance, with summaries of each
+// group.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +11,28 @@
 
 namespace lostbits::measure::evaluate {
 
-/// What is known of the rays that have a value, a summary a row.
+/// Summaries of the rays that have a value, one for each row.
 struct Group {
     std::string value;
     std::vector<FormSummary> summaries;
 };
 
-/// The groups of a run, in their order: numbers by size, then words.
+/// Groups of a run, in order: numbers by size, then words.
 class Groups {
 public:
-    /// More values than that are no kinds of rays but their names.
+    /// Limit on the number of values. A column with more identifies rays instead of grouping them.
     static constexpr std::size_t most = 4096;
 
-    /// Makes the group of a value, with an empty summary of these metrics for each row, where there is none. InputError
-    /// for more than `most`.
+    /// Makes the group of a new value, with an empty summary of these metrics for each row. Throws InputError for more
+    /// than `most` values.
     void add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics);
-    /// That of a value that was added. For several threads at once.
+    /// Group of a value that was added. May be called by several threads at once.
     [[nodiscard]] Group& at(const std::string& value) { return all_[place_of(value)]; }
-    /// What is known of the rays that come next.
+    /// Adds the groups of the rays that come next.
     void append(Groups&& after);
     [[nodiscard]] const std::vector<Group>& all() const { return all_; }
 
-    /// What it knows, for `output::shard`.
+    /// Serialises the groups, for `output::shard`.
     template <class Bits>
     void fields(Bits& bits) {
         bits(all_);
@@ -46,12 +47,12 @@ private:
     std::vector<Group> all_;
 };
 
-/// Some rays of one value, by their places.
+/// Indices of the rays with one value.
 struct RaysOfValue {
     std::string value;
     std::vector<std::uint32_t> rays;
 };
-/// Each value once; value i is at `values[i * step]`.
+/// Groups the rays by value, each value once; the value of ray i is at `values[i * step]`.
 std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step);
 
 }  // namespace lostbits::measure::evaluate

@@ -1,4 +1,4 @@
-// One row on one band: outcomes first, then errors over columns, then what has to be measured ray by ray.
+// Measures one row on one band: outcomes first, then errors in columns, then metrics that need each ray by itself.
 #include "measure/evaluate/measure_row.hpp"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
     return info.direction == intersect::Direction::unit ? &truth.distance : &truth.t;
 }
 
-/// The metrics of a row on a band.
+/// Computes the metrics of a row on a band.
 class Measurement {
 public:
     Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& room)
@@ -67,7 +67,7 @@ private:
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
     }
 
-    /// The column of a metric; null where it is not asked for.
+    /// Column of a metric; null if it is not requested.
     [[nodiscard]] double* column_of(InColumns what) const {
         const auto found = std::ranges::find(metrics_, what, &Metric::in_columns);
         return found == metrics_.end() ? nullptr
@@ -107,7 +107,7 @@ private:
         }
     }
 
-    /// What the row is held against, where it is.
+    /// Compares with the row's other form, if it has one.
     void measure_pairs() {
         if (row_.against == nullptr) return;
         const auto column = [this](std::string_view name) {
@@ -121,7 +121,7 @@ private:
                                 which, apart);
     }
 
-    /// All that no column can hold, of each ray whose outcome it is for.
+    /// Computes all metrics that columns cannot, for each ray whose outcome they are about.
     void measure_others() {
         const auto any = [this](const auto& which) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
@@ -137,7 +137,7 @@ private:
         const bool faults = (needs_ & metric::needs_attribution) != 0;
         if (!marches && !every && !hits && !faults) return;
         for (std::size_t i = 0; i < measured_.size(); ++i) {
-            result_.inputs->stop.check();  // blaming the operations of a band takes seconds
+            result_.inputs->stop.check();  // attributing the errors of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
             const bool fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
@@ -153,7 +153,7 @@ private:
         }
     }
 
-    /// What the form says of its own answer, whatever that is worth.
+    /// Measures a form's statements about its own answer, whether or not that answer is right.
     template <class Which>
     void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
         const Truth truth = result_.truth(i);
@@ -168,7 +168,7 @@ private:
         take(i, sample, which);
     }
 
-    /// The primitive that the form hits or, failing that, that is truly hit; of a miss as `measured_at` has it.
+    /// The primitive that the form hits, otherwise the one that is truly hit; for a miss, that of `measured_at`.
     [[nodiscard]] std::size_t asked_of(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
         return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
@@ -204,7 +204,7 @@ private:
         take(i, sample, which);
     }
 
-    /// Of the operations on the primitive that the ray is asked of.
+    /// Attribution to the operations on the primitive that the ray is measured at.
     Blame blame_of(std::size_t i) {
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
@@ -215,7 +215,7 @@ private:
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }
 
-    /// What is known of any ray.
+    /// Sample of any ray.
     [[nodiscard]] Sample plain_sample_of(std::size_t i, const Ray<double>& ray) const {
         const auto& march = result_.answers->march;
         return {.t = result_.answers->t[i],
@@ -228,7 +228,7 @@ private:
                 .outcome = result_.outcomes[i]};
     }
 
-    /// What is known of a correct hit without further work.
+    /// Sample of a correct hit, without further work.
     [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid,
                                    const Truth& truth) const {
         Sample sample = plain_sample_of(i, ray);
@@ -238,7 +238,7 @@ private:
         return sample;
     }
 
-    /// The solid that the form hit.
+    /// The primitive that the form hit.
     [[nodiscard]] Solid<double> solid_of(std::size_t i) const {
         return result_.inputs->solids[static_cast<std::size_t>(result_.answers->object[i])];
     }
@@ -259,8 +259,8 @@ private:
     const TrueLengths& truth_;
     unsigned needs_;
     blame::Blamer blamer_;
-    std::vector<double>& measured_;  ///< the answers of the correct hits, NaN elsewhere
-    std::vector<double>& own_ulps_;  ///< where no metric is `ulp_error`
+    std::vector<double>& measured_;  ///< answers of the correct hits, NaN elsewhere
+    std::vector<double>& own_ulps_;  ///< used if `ulp_error` is not among the metrics
     double* ulps_ = nullptr;
     double largest_ = 0;  ///< of |ulps|
 };
@@ -271,7 +271,7 @@ void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summ
     const TestedForm& row = request.row;
     const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;
-    // Taken, not used in place: a thread that waits in here may begin another row.
+    // The columns are taken out of `kept`: a thread that waits in here may start another row.
     thread_local std::optional<RowColumns> kept;
     RowColumns room = std::exchange(kept, std::nullopt).value_or(RowColumns{});
     room.make(on.band.pixels(), request.metrics);

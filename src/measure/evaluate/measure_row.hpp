@@ -1,4 +1,4 @@
-// One row on a band whose truth is shared as columns with other rows.
+// Measures one row on a band that shares the columns of its truth with other rows.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace lostbits::measure::evaluate {
 
-/// A band as rows are measured on it.
+/// A band and its inputs and columns for one row.
 struct RowBand {
     const truth::Band& band;
-    const truth::FormatInputs& inputs;    ///< of the row's format
-    const columns::BandColumns& columns;  ///< found for the row's convention and unit
+    const truth::FormatInputs& inputs;    ///< inputs in the row's format
+    const columns::BandColumns& columns;  ///< computed for the row's convention and unit
 };
 
-/// What rows are given of a band, which outlives this, to be measured by some metrics: the inputs of each format, and
-/// the truth in the units and by the conventions of the rows.
+/// Inputs of each format, and truths in the units and by the conventions of the rows, for measuring rows on a band. The
+/// band must outlive this object.
 class BandOfRows {
 public:
-    /// κ of the band's hits is found too, where a metric needs it.
+    /// Also computes κ of the band's hits if a metric needs it.
     BandOfRows(truth::Band& band, const std::vector<TestedForm>& rows,
                const std::vector<const metric::Metric*>& metrics);
 
@@ -35,13 +35,13 @@ private:
     columns::BandColumns columns_;
 };
 
-/// Some rays of a band, by their places and rising, that are summed up by themselves too.
+/// Rays of a band, by ascending index, that get a summary of their own as well.
 struct BandPart {
     std::span<const std::uint32_t> rays;
     FormSummary* summary;
 };
 
-/// As `measure_row` of evaluate.hpp, which finds the columns for one row alone.
+/// Same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
 void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary,
                  std::span<const BandPart> parts = {});
 

@@ -21,7 +21,7 @@ using truth::Truth;
 
 namespace {
 
-/// The rays `pixels` of what a form receives.
+/// The rays `pixels` of the inputs that a form receives.
 FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
     FormatInputs some{.format = all.format, .solids = all.solids, .march = all.march, .stop = all.stop};
     const scene::rays::RayBlock& from = all.rays_for(info);
@@ -35,13 +35,13 @@ FormatInputs only(const FormatInputs& all, const intersect::Info& info, const st
     return some;
 }
 
-/// The scan of one form over a part of a band: those pixels on which every width so far has sufficed.
+/// Scan of one form over a part of a band; `pixels` are those on which every width so far has sufficed.
 struct Scan {
-    std::size_t form;  ///< its place in the request
+    std::size_t form;  ///< index in the request
     std::vector<std::uint32_t> pixels;
 };
 
-/// One width less: pixels on which it fails get their value and leave.
+/// Tests the next smaller width. Pixels on which it fails get their value and leave the scan.
 void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
           NeededBand& result) {
     if (scan.pixels.empty()) return;
@@ -61,9 +61,9 @@ void step(Scan& scan, const intersect::table::Intersector& form, const FormatInp
     scan.pixels.resize(kept);
 }
 
-/// Every form over every part of the band. Parts are cut by the picture alone.
+/// Scans of every form over every part of the band. The picture alone decides the parts.
 std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
-    constexpr std::size_t part = 2048;  // small enough to share among threads, large enough that a batch pays
+    constexpr std::size_t part = 2048;  // small enough to share among threads, large enough for a batch to pay
     std::vector<Scan> scans;
     for (std::size_t f = 0; f < results.size(); ++f) {
         const std::size_t n = results[f].needed.size();

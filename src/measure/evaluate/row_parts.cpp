@@ -61,7 +61,7 @@ OwnWords::OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInp
         end_margin_ = answer::end_margin(part, row.format, ray, asked, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
     if (!asked.placed || !part.is_placed) return;
-    // A box in the world is no step of the way.
+    // A box in the world is not a step of the way.
     steps_ = answer::steps_of(intersect::hull::within_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
@@ -85,7 +85,7 @@ void RowSums::keep_worst(FormSummary& summary, double largest) const {
     const auto is_it = [largest](double ulps) { return std::fabs(ulps) == largest; };
     const double* const end = ulps_ + result_.outcomes.size();
     const double* const found = std::find_if(ulps_, end, is_it);
-    if (found != end) summary.worst = worst(static_cast<std::size_t>(found - ulps_));  // else no ray is measured
+    if (found != end) summary.worst = worst(static_cast<std::size_t>(found - ulps_));  // otherwise no ray is measured
 }
 
 void RowSums::keep_faults(FormSummary& summary) const {
@@ -128,7 +128,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.object;
     const std::size_t solid = answer::measured_at(*result_.inputs, i, object);
-    // The place of the band's first ray among all.
+    // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
@@ -142,7 +142,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
                .judged = row_.judged};
     if (truth.is_hit())
         w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
-    // The nearest of all solids is the nearer of these two; a field of distances is of all of them.
+    // Two primitives decide which hit is nearest: the form's and the true one. A field of distances depends on all.
     std::set<int> deciding;
     if (is_solid(row_.form->shape)) {
         if (hit) deciding.insert(object);

@@ -1,5 +1,5 @@
-// What measuring a row on a band is made of: the columns that it fills, the outcome of every ray, what a form says of
-// its own answer, and what of it all summaries take up.
+// Parts of measuring a row on a band: the columns that it fills, the outcome of every ray, a form's statements about
+// its own answer, and the sums for all summaries.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@
 
 namespace lostbits::measure::evaluate {
 
-/// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
+/// Columns of a row on a band. The thread keeps them: allocating a megabyte each time takes longer than filling it.
 struct RowColumns {
     std::vector<answer::Outcome> outcomes;
     std::vector<std::vector<double>> metrics;
     std::vector<double> measured, own_ulps;
 
-    /// For n rays; NaN wherever no column fills it.
+    /// Makes columns for n rays, with NaN in those that are not filled as columns.
     void make(std::size_t n, const std::vector<const metric::Metric*>& wanted) {
         outcomes.resize(n);
         metrics.resize(wanted.size());
@@ -32,24 +32,25 @@ struct RowColumns {
     }
 };
 
-/// Where the outcomes of a band go: as many of each as rays.
+/// Outputs for the outcomes of a band, with an element for each ray.
 struct OutcomeColumns {
     std::vector<answer::Outcome>& outcomes;
-    std::vector<double>& measured;  ///< the answers of the correct hits, NaN elsewhere
+    std::vector<double>& measured;  ///< answers of the correct hits, NaN elsewhere
 };
 
-/// The outcome of every ray, counted in `summary` too. A form that does not tell t claims no hit at NaN, and on which
-/// solid it hits nobody knows.
+/// Finds the outcome of every ray, and counts them in `summary`. A form that answers no t does not claim hits at NaN,
+/// and the primitive that it hits is unknown.
 void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary);
 
-/// Of ray i and one solid; of the levels of a hierarchy, of the one that is truly met, nothing where `truly` is below
-/// 0. Empty of what `needs` does not name or the form cannot tell.
+/// A form's statements about its own answer to ray i at one primitive. Levels are about the primitive `truly`, which is
+/// truly met; there are none if `truly` is below 0. Statements that `needs` does not name, or that the form cannot
+/// make, are empty.
 class OwnWords {
 public:
     OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
              std::size_t i, std::size_t solid, std::int32_t truly);
-    /// Points the sample to this, which must outlive it.
+    /// Sets pointers in the sample to this object, which must outlive it.
     void into(metric::Sample& sample) const;
 
 private:
@@ -60,22 +61,22 @@ private:
     double end_margin_ = truth::missing;
 };
 
-/// Looks at what is measured, and outlives none of it.
+/// Sums up what is measured. The request, result and columns must outlive it.
 class RowSums {
 public:
-    /// `ulps`: the ulp_error of each ray, NaN of all but correct hits.
+    /// `ulps`: the ulp_error of each ray, NaN for all but correct hits.
     RowSums(const RowRequest& request, const BandResult& result, const columns::TrueLengths& truth, const double* ulps)
         : request_(request), row_(request.row), result_(result), truth_(truth), ulps_(ulps) {}
 
-    /// The first of the rays that are farthest off; `largest` is the largest |ulps|.
+    /// Keeps the first of the rays with the largest error; `largest` is the largest |ulps|.
     void keep_worst(FormSummary& summary, double largest) const;
-    /// The first ray of each wrong decision.
+    /// Keeps the first ray of each wrong decision.
     void keep_faults(FormSummary& summary) const;
-    /// All that a summary has, of some rays.
+    /// Adds some rays to a summary of their own.
     void add(const BandPart& part) const;
 
 private:
-    /// Ray i as a summary names it.
+    /// Ray i with all its inputs, for a summary.
     [[nodiscard]] WorstRay named(std::size_t i, answer::Outcome outcome) const;
     [[nodiscard]] WorstRay worst(std::size_t i) const;
 

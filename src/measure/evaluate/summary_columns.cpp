@@ -28,11 +28,11 @@ double of_hits(const S& s) {
     return fraction(s.count(o), s.true_hits);
 }
 
-/// Where a column of outcomes stands.
+/// Files that a column of outcomes appears in.
 enum class Shown { always, of_meshes, to_claims };
 
-/// Of every summary, whatever was measured. A NaN is an answer to a ray that truly hits or truly misses; it is in the
-/// numerator of neither fraction.
+/// Columns of every summary, whatever is measured. An answer at NaN is counted neither as a false hit nor as a false
+/// miss, although its ray truly hits or misses.
 Columns outcome_columns() {
     Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }}};
     const auto count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
@@ -52,8 +52,9 @@ Columns outcome_columns() {
                            .tabled = shown != Shown::to_claims,
                            .of_meshes = shown == Shown::of_meshes});
     };
-    count(Outcome::agree_hit, "correct hits: form and truth agree that there is a hit, and on which solid");
-    count(Outcome::agree_miss, "correct misses: form and truth agree that there is none");
+    count(Outcome::agree_hit,
+          "correct hits: form and truth agree that the ray hits, and which primitive it hits first");
+    count(Outcome::agree_miss, "correct misses: form and truth agree that the ray misses");
     count(Outcome::false_hit, "rays that the form hits and the truth misses");
     count(Outcome::false_miss, "rays that the form misses and the truth hits");
     count(Outcome::not_a_number, "rays on which the form reports a hit at NaN");
@@ -66,7 +67,7 @@ Columns outcome_columns() {
     share(
         "not_a_number_fraction", "not_a_number among all rays",
         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::to_claims);
-    count(Outcome::wrong_object, "wrong solids: form and truth hit, but the form found another solid first");
+    count(Outcome::wrong_object, "wrong primitives: form and truth hit, but the form hits another primitive first");
     share("wrong_object_fraction", "wrong_object among the rays that truly hit", of_hits<Outcome::wrong_object>,
           Shown::to_claims);
     share(
@@ -79,10 +80,10 @@ Columns outcome_columns() {
           Shown::of_meshes);
     count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
           Shown::of_meshes);
-    count(Outcome::wrong_neighbour, "rays of which the form hits a neighbour of the triangle met; no wrong decision",
+    count(Outcome::wrong_neighbour, "rays on which the form hits a neighbour of the triangle met; not a wrong decision",
           Shown::of_meshes);
     count(Outcome::out_of_order,
-          "rays of which the form claims a triangle and answers one that is truly behind it and no neighbour",
+          "rays on which the form claims a triangle and answers one that is truly behind it and not its neighbour",
           Shown::of_meshes);
     share("crack_fraction", "crack among the rays that truly hit", of_hits<Outcome::crack>, Shown::of_meshes);
     share("double_hit_fraction", "double_hit among the rays that truly hit", of_hits<Outcome::double_hit>,
@@ -96,7 +97,7 @@ std::uint64_t sum(const std::vector<std::uint64_t>& counts) {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-/// The place of the most frequent culprit; missing where no ray has one.
+/// Index of the most frequent culprit; missing if no ray has one.
 double most_frequent(const std::vector<std::uint64_t>& counts) {
     const auto most = std::max_element(counts.begin() + 1, counts.end());
     return most == counts.end() || *most == 0 ? missing : number(static_cast<std::uint64_t>(most - counts.begin()));
@@ -117,7 +118,7 @@ void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
                        }});
 }
 
-/// A form that does not march has none of these: missing, not zero.
+/// A form that does not march has no such categories: they are missing, not zero.
 void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
     const std::string name = column_name(metric);
     for (std::size_t c = 0; c < metric.categories.size(); ++c) {
@@ -137,7 +138,7 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
     }
 }
 
-/// Of `against`: its hits in common, whatever their t.
+/// Adds the number of hits in common for `against`, whatever their t.
 void add_both_hit(std::size_t m, Columns& columns) {
     using answer::Against;
     columns.push_back({"against_both_hit", Kind::count, "",
@@ -165,12 +166,13 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
              std::string(statistic.meaning) + (bucketed ? " (to 2^-11 of itself)" : "") + " of |" + name + "|" + over,
              [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
     }
-    // Of random rays alone this is what it says: those of a picture are not independent.
+    // Valid only for random rays: those of a picture are not independent.
     const auto add_bound = [&](const char* end, double metric::Bounds::*bound) {
         columns.push_back({.name = name + "_p99" + end,
                            .kind = Kind::number,
                            .unit = std::string(metric.unit),
-                           .meaning = "where the 99th percentile of all such rays lies with 95 %, of independent rays",
+                           .meaning = "end of the interval that holds the 99th percentile of all such rays with 95 % "
+                                      "confidence, for independent rays",
                            .value = [m, bound](const S& s) { return s.metrics[m].p99_bounds().*bound; },
                            .tabled = false});
     };
@@ -178,18 +180,18 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
     add_bound("_high", &metric::Bounds::high);
 }
 
-/// A number of the worst ray, where there is one.
+/// A number of the worst ray; missing if there is none.
 template <class Part>
 std::function<double(const S&)> of_worst(const Part& part) {
     return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
 }
-/// A number of the first wrong decision, where there is one.
+/// A number of the first wrong decision; missing if there is none.
 template <class Part>
 std::function<double(const S&)> of_fault(const Part& part) {
     return [part](const S& s) { return s.fault() == nullptr ? missing : part(*s.fault()); };
 }
 
-/// As a decimal and exactly.
+/// Adds a number as a decimal and exactly.
 void add_both(Columns& columns, const std::string& name, const std::string& meaning,
               const std::function<double(const S&)>& value) {
     columns.push_back({name, Kind::number, "t", meaning, value});
@@ -225,7 +227,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
         {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",
          of_worst([](const W& w) { return static_cast<double>(w.x); })},
         {"worst_y", Kind::count, "pixel", "row of the same", of_worst([](const W& w) { return w.y; })},
-        {"worst_object", Kind::count, "", "solid that the form hit there, from 0",
+        {"worst_object", Kind::count, "", "primitive that the form hit there, from 0",
          of_worst([](const W& w) { return static_cast<double>(w.object); })},
         {"worst_ulp_error", Kind::number, "ulp", "(t - t*)/ulp(t*) there, with its sign",
          of_worst([](const W& w) { return w.ulps; })}};
@@ -234,7 +236,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
              of_worst([](const W& w) { return w.truth; }));
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
-                           "the worst ray as the format holds it (before any normalisation), or the solid that the "
+                           "the worst ray as the format holds it (before any normalisation), or the primitive that the "
                            "form hit, exactly, as a C hexadecimal float",
                            std::move(value)});
     };
@@ -243,7 +245,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
         add_hex(std::string("origin_") + axes[k], of_worst([k](const W& w) { return w.ray.origin[k]; }));
     for (int k = 0; k < 3; ++k)
         add_hex(std::string("direction_") + axes[k], of_worst([k](const W& w) { return w.ray.direction[k]; }));
-    // Shapes may share a name: its column has the number of whichever was hit.
+    // Shapes may share the name of a number: its column has the number of the primitive that was hit.
     std::vector<std::string> names;
     for (const Shape shape : shapes)
         for (const std::string& name : number_names(shape))
@@ -264,8 +266,8 @@ Columns fault_columns() {
         {.name = "fault_outcome",
          .kind = Kind::category,
          .unit = "",
-         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_object, or of meshes "
-                    "crack, double_hit or out_of_order; the other columns of a fault are of its first ray",
+         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_object or, for "
+                    "meshes, crack, double_hit or out_of_order; the other columns of a fault are about its first ray",
          .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};
     add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",

@@ -1,5 +1,5 @@
-// The columns of a summary: a row of this table is a column of summary.csv, samples.csv and cases.csv, a number that a
-// claim may be about, and what the page shows.
+// Columns of a summary. A row of this table is a column of summary.csv, samples.csv and cases.csv, a quantity for
+// claims, and an entry of the page.
 #pragma once
 
 #include <functional>
@@ -13,33 +13,33 @@
 namespace lostbits::measure::evaluate {
 
 struct SummaryColumn {
-    /// How the number is written; of `category` as the name at that place of `categories`.
+    /// Format of the number; for `category`, it is an index into `categories` and the name is written.
     enum class Kind { count, number, hex, category };
 
     std::string name;
     Kind kind;
     std::string unit, meaning;
-    std::function<double(const FormSummary&)> value;  ///< NaN where it is missing
+    std::function<double(const FormSummary&)> value;  ///< NaN if it is missing
     std::span<const std::string_view> categories = {};
-    bool tabled = true;      ///< false: for claims alone
-    bool of_meshes = false;  ///< tabled where there are meshes
+    bool tabled = true;      ///< false: only for claims
+    bool of_meshes = false;  ///< tabled only if there are meshes
 };
 
 /// Counts and fractions of outcomes, then mean, p50, p99 and max of |metric|, or the counts of its categories.
 std::vector<SummaryColumn> summary_columns(const std::vector<const metric::Metric*>& metrics);
 
-/// The worst ray by |ulp_error|, with every number it takes to evaluate it again. `shapes` are those of the solids,
-/// each once: they name the columns of the worst ray's solid.
+/// The worst ray by |ulp_error|, with all numbers for evaluating it again. `shapes` are those of the primitives, each
+/// once: they name the columns of the worst ray's primitive.
 std::vector<SummaryColumn> worst_columns(const std::vector<Shape>& shapes);
 
-/// The first ray of the most frequent wrong decision: what the form said there, and what is true.
+/// The first ray of the most frequent wrong decision: the form's answer and the truth.
 std::vector<SummaryColumn> fault_columns();
 
-/// `contribution_c` of `contribution:c`; with a statistic, `contribution_c_p50`.
+/// `contribution_c` for `contribution:c`; with a statistic, `contribution_c_p50`.
 std::string column_name(const metric::Metric& metric);
 std::string column_name(const metric::Metric& metric, const metric::Statistic& statistic);
 
-/// The column of that name; null where there is none.
+/// The column with that name; null if there is none.
 const SummaryColumn* find_column(const std::vector<SummaryColumn>& columns, std::string_view name);
 
 }  // namespace lostbits::measure::evaluate

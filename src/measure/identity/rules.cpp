@@ -14,7 +14,7 @@ void RewriteFinder::offer_each(const std::vector<std::pair<NodeId, NodeId>>& rep
 
 std::set<NodeId> RewriteFinder::innermost_names() const {
     std::set<NodeId> names;
-    std::map<NodeId, bool> named;  // whether it is a name or computed from one
+    std::map<NodeId, bool> named;  // true if it is a name or computed from one
     for (const NodeId i : needed) {
         const TapeNode& n = terms[i];
         const bool leaf = is_given(n.op) || is_decision(n.op) || !terms.is_own(i) || terms.factors_of(i).has_value();

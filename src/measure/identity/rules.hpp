@@ -1,4 +1,5 @@
-// The rules of rewriting: identities of real arithmetic, one line each, and where a formula has room for one.
+// Rules of rewriting: identities of real arithmetic, one line each, with functions that find where a formula can use
+// them.
 #pragma once
 
 #include <functional>
@@ -13,43 +14,43 @@ namespace lostbits::measure::identity {
 
 struct Rule;
 
-/// Nodes of a formula and what may stand in their places, all at once.
+/// Nodes of a formula and their replacements, all applied at once.
 struct Rewrite {
     const Rule* rule;
     std::vector<std::pair<NodeId, NodeId>> replaced;
 };
 
-/// A formula, and the rewrites of it that rules find.
+/// Finds the rewrites of a formula by the rules.
 class RewriteFinder {
 public:
-    /// `direction`: where the form promises that it has length one.
+    /// `direction`: set if the form promises that the direction has length one.
     RewriteFinder(Terms& all, const TapeOutputs& outputs, std::optional<Triple> direction)
         : terms(all), needed(all.needed(outputs)), newest(newest_of(all, needed)), unit(direction) {}
 
     Terms& terms;
-    const std::vector<NodeId> needed;  ///< of the formula
+    const std::vector<NodeId> needed;  ///< nodes of the formula
     const Newest newest;
     const std::optional<Triple> unit;
-    const Rule* rule = nullptr;  ///< that looks
+    const Rule* rule = nullptr;  ///< the rule that is being applied
     std::vector<Rewrite> found = {};
 
-    /// One place alone.
+    /// Adds a rewrite of one node.
     void offer(NodeId old, NodeId now) { offer({{old, now}}); }
     void offer(std::vector<std::pair<NodeId, NodeId>> replaced);
-    /// The named numbers that are computed from no other named ones, dot products apart: what a reader may take as they
-    /// are.
+    /// Named numbers that are not computed from other named ones, not counting dot products. A rule may take them as
+    /// they are.
     [[nodiscard]] std::set<NodeId> innermost_names() const;
-    /// act(node, sum) for every number of the formula that is a sum of products, dot products apart; and again where
-    /// the sum is another one with the innermost names in it.
+    /// Calls act(node, sum) for every number of the formula that is a sum of products, except dot products. Calls it
+    /// again if the sum is different when innermost names are kept.
     void on_sums(const std::function<void(NodeId, const Sum&)>& act, bool with_names = false) const;
-    /// Each alone, and all at once.
+    /// Adds a rewrite of each by itself, and one of all at once.
     void offer_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
 };
 
 struct Rule {
     std::string_view name;
-    std::string_view identity;   ///< in real arithmetic
-    std::string_view condition;  ///< under which it holds; none: always
+    std::string_view identity;   ///< identity in real arithmetic
+    std::string_view condition;  ///< condition for the identity; empty: always holds
     void (*find)(RewriteFinder& places);
 };
 
@@ -78,12 +79,13 @@ inline constexpr Rule rules[]{
     {"volume", "|a|^2 |b|^2 |c|^2 + 2 (a.b)(b.c)(c.a) - |a|^2 (b.c)^2 - |b|^2 (c.a)^2 - |c|^2 (a.b)^2 = (a.(b x c))^2",
      "", find_volumes},
     {"combination",
-     "x^2 a.a - 2 x y a.b + y^2 b.b = |x a - y b|^2, likewise of (a.v)(b.v); (v.b) a - (v.a) b = v x (a x b) within it",
-     "", find_combinations},
-    {"closest approach", "|n|^2 (a.b) - (a.n)(b.n) = |n|^2 (a - (a.n)/|n|^2 n).b: from the point nearest to the centre",
-     "n != 0; where the form promises |d| = 1, for such directions", find_closest_approach},
+     "x^2 a.a - 2 x y a.b + y^2 b.b = |x a - y b|^2, also for (a.v)(b.v); in it, (v.b) a - (v.a) b = v x (a x b)", "",
+     find_combinations},
+    {"closest approach",
+     "|n|^2 (a.b) - (a.n)(b.n) = |n|^2 (a - (a.n)/|n|^2 n).b: seen from the point nearest to the centre",
+     "n != 0; if the form promises |d| = 1, only for such directions", find_closest_approach},
     {"closest approach, normalised", "the same with n/|n|", "n != 0", find_unit_approach},
-    {"stable roots", "-b + s and -b - s, s = sqrt(D): the one of like signs, q, and (b^2 - D)/q", "q != 0",
+    {"stable roots", "-b + s and -b - s, s = sqrt(D): q, the one with terms of like signs, and (b^2 - D)/q", "q != 0",
      find_stable_roots},
     {"edges from the origin", "u + v <= |s|: u, v and s - u - v as d.((p - o) x (q - o)) for the three edges p q", "",
      find_edges_from_origin},
@@ -93,10 +95,10 @@ inline constexpr Rule rules[]{
     {"reciprocal", "x/y and z/y = x (1/y) and z (1/y)", "y != 0", find_reciprocals},
     {"split quotient", "(x + y)/z = x/z + y/z", "z != 0", find_split_quotients},
     {"scaled length", "sqrt(x^2 + y^2) = m sqrt((x/m)^2 + (y/m)^2), m = max(|x|, |y|)", "m != 0", find_scaled_lengths},
-    {"exchange", "min(a, b) = min(b, a), max likewise", "neither is NaN", find_exchanges},
+    {"exchange", "min(a, b) = min(b, a), and the same for max", "neither is NaN", find_exchanges},
 };
 
-/// All that the rules find, in their order.
+/// All rewrites that the rules find, in the order of the rules.
 std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit);
 
 }  // namespace lostbits::measure::identity

@@ -1,4 +1,4 @@
-// The square of a combination of two vectors, multiplied out.
+// Rules for the square of a combination of two vectors, multiplied out.
 
 #include "measure/identity/rules.hpp"
 
@@ -6,7 +6,7 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// x a ± y b: x² (a·a), ±2 x y (a·b) and y² (b·b) are in the sum, all with the same rest.
+/// x a ± y b, if the sum contains x² (a·a), ±2 x y (a·b) and y² (b·b), all with the same remaining factors.
 struct Combination {
     NodeId x, y;
     Triple a, b;
@@ -17,7 +17,7 @@ class CombinationFinder {
 public:
     CombinationFinder(RewriteFinder& places, const Sum& sum) : places_(places), terms_(places.terms), sum_(sum) {}
 
-    /// The sum with dot products of the combination in place of those of its parts, in each way that is found.
+    /// The sum with dot products of the combination in place of those of its parts, once for each combination found.
     std::vector<Sum> all() {
         for (const auto& [product, factor] : sum_)
             for (const auto& [x, px] : product)
@@ -32,7 +32,7 @@ public:
     }
 
 private:
-    /// `other`, without the rest, as y² (b·b).
+    /// Tries `other`, without the remaining factors, as y² (b·b).
     void look(NodeId x, const Triple& a, const Product& other) {
         if (other.size() != 2) return;
         for (const auto& [y, py] : other)
@@ -46,7 +46,7 @@ private:
     void replace(const Combination& c) {
         for (const bool crossed : {true, false}) {
             auto u = crossed ? by_cross_products(c) : std::optional(plain(c));
-            if (!u) u = by_cross_products({c.y, c.x, c.b, c.a, c.minus});  // which is -u
+            if (!u) u = by_cross_products({c.y, c.x, c.b, c.a, c.minus});  // this is -u
             if (!u) continue;
             Sum now = sum_;
             const bool any = take(c, *u, now);
@@ -54,7 +54,7 @@ private:
         }
     }
 
-    /// Puts (u·v)(u·w), for whatever v and w, in the place of the three products that it is; whether there were any.
+    /// Replaces the three products of (u·v)(u·w), for any v and w, by that product; true if there were any.
     bool take(const Combination& c, const Triple& u, Sum& now) {
         bool any = false;
         for (const auto& [product, factor] : sum_) {
@@ -98,7 +98,7 @@ private:
                                                                     terms_.add(TapeOp::mul, {newest(c.y), c.b[k]})});
         return u;
     }
-    /// x a − y b with x = p + q (v·b) and y = q (v·a): p a + q v × (a × b).
+    /// The vector p a + q v × (a × b), for x a − y b with x = p + q (v·b) and y = q (v·a).
     std::optional<Triple> by_cross_products(const Combination& c) {
         const auto x = multiplied_out(terms_, c.x), y = multiplied_out(terms_, c.y);
         if (!c.minus || !x || !y || y->empty()) return std::nullopt;

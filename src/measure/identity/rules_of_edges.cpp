@@ -1,4 +1,4 @@
-// The three edges of a triangle, seen from the ray's origin.
+// Rule for the three edges of a triangle, seen from the ray's origin.
 #include "measure/identity/rules.hpp"
 
 namespace lostbits::measure::identity {
@@ -65,7 +65,7 @@ NodeId determinant(Terms& terms, const Edge& e, std::string_view label) {
     return terms.dot(terms.cross(seen(e.p), seen(e.q)), e.d, label);
 }
 
-/// x of select(turned, −x, x), with `turned`.
+/// x and `turned` of select(turned, −x, x).
 struct Turned {
     NodeId x, turned;
 };

@@ -1,4 +1,4 @@
-// Rules that look at an operation and those that it takes.
+// Rules about one operation and its operands.
 #include <map>
 
 #include "measure/identity/rules.hpp"
@@ -12,7 +12,7 @@ namespace {
 bool is_one(const Terms& terms, NodeId i) { return terms[i].op == TapeOp::constant && terms[i].operands[0] == 1; }
 bool is_number(const Terms& terms, NodeId i) { return terms.is_own(i) && !is_decision(terms[i].op); }
 
-/// Quotients of the formula by what they divide by.
+/// Quotients of the formula, by divisor.
 std::map<NodeId, std::vector<NodeId>> quotients_of(const RewriteFinder& places) {
     std::map<NodeId, std::vector<NodeId>> by;
     for (const NodeId i : places.needed)
@@ -117,7 +117,7 @@ void find_scaled_lengths(RewriteFinder& places) {
     places.offer_each(all);
 }
 
-/// Those of one line of the source, which a loop repeats, together.
+/// Exchanges all operations of one line of the source, which a loop repeats, together.
 void find_exchanges(RewriteFinder& places) {
     Terms& terms = places.terms;
     std::map<std::pair<TapeOp, std::string_view>, Replaced> lines;

@@ -1,4 +1,4 @@
-// Roots of a quadratic that subtract what is alike.
+// Rules for roots of a quadratic that subtract nearly equal numbers.
 #include <map>
 
 #include "measure/identity/rules.hpp"
@@ -7,7 +7,7 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// (b ± s)/a with s = √D, as it was written.
+/// (b ± s)/a with s = √D, as written in the source.
 struct Root {
     NodeId node;
     NodeId s;
@@ -54,7 +54,7 @@ void find_stable_roots(RewriteFinder& places) {
         const Sum& b = both.front().b;
         const auto disc = multiplied_out(terms, terms[s].operands[0], true);
         if (!disc) continue;
-        // (b − s)(b + s), which of each root is the other's numerator
+        // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
         if (product.empty() || product.size() > most_products) continue;
         const auto newest = places.newest.find(s);
@@ -67,7 +67,7 @@ void find_stable_roots(RewriteFinder& places) {
         for (const Root& one : both) {
             const NodeId plain = terms.add(TapeOp::div, {q, written_out(terms, one.a, places.newest)});
             const NodeId other = terms.add(TapeOp::div, {written_out(terms, over(product, one.a), places.newest), q});
-            // b − s subtracts where b > 0, b + s where b < 0.
+            // b − s cancels if b > 0, b + s if b < 0.
             replaced.emplace_back(one.node, one.minus ? terms.add(TapeOp::select, {negative, plain, other})
                                                       : terms.add(TapeOp::select, {negative, other, plain}));
         }

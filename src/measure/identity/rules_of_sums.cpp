@@ -1,4 +1,4 @@
-// Rules that look for products of opposite sign in a sum that is multiplied out.
+// Rules that find products of opposite sign in a sum that is multiplied out.
 #include <algorithm>
 
 #include "measure/identity/rules.hpp"
@@ -7,12 +7,12 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// (a·c)(b·d) and −(a·d)(b·c), both times the same.
+/// (a·c)(b·d) and −(a·d)(b·c), both multiplied by the same rest.
 struct Pair {
     Triple a, b, c, d;
     Product rest;
     Ratio factor;
-    Sum others;  ///< of the sum without the two
+    Sum others;  ///< the sum without these two products
 };
 
 class PairFinder {
@@ -29,7 +29,7 @@ public:
                     const Product rest = times(product, times(power(dots[k], -1), power(dots[l], -1)));
                     const auto [p, q] = terms_.factors_of(dots[k]).value();
                     const auto [r, s] = terms_.factors_of(dots[l]).value();
-                    // This product is the one that is taken away: −(a·d)(b·c).
+                    // This product is the subtracted one: −(a·d)(b·c).
                     look({.a = p, .b = s, .c = r, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
                     look({.a = p, .b = r, .c = s, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
                 }
@@ -37,14 +37,14 @@ public:
         return std::move(found_);
     }
 
-    /// A product in which the direction has length one.
+    /// The product without the square of the direction's length, if that length is one.
     [[nodiscard]] Product reduced(Product product) const {
         if (unit_) product.erase(*unit_);
         return product;
     }
 
 private:
-    /// Each as often as its power.
+    /// Dot products of a product, each as often as its power.
     [[nodiscard]] std::vector<NodeId> dots_of(const Product& product) const {
         std::vector<NodeId> dots;
         for (const auto& [atom, power] : product)
@@ -69,14 +69,14 @@ private:
     std::vector<Pair> found_;
 };
 
-/// The node with `instead` for the two products.
+/// The node with `instead` in place of the two products.
 NodeId with_pair(RewriteFinder& places, NodeId i, const Pair& pair, const Product& instead) {
     const PairFinder finder(places, pair.others);
     const Sum now = plus(pair.others, Sum{{finder.reduced(times(pair.rest, instead)), pair.factor}});
     return now.empty() ? i : written_out(places.terms, now, places.newest, places.terms[i].label);
 }
 
-/// Each, and at once the first of each place within which there is no other.
+/// Adds each rewrite by itself, and one that applies all innermost rewrites at once (the first at each node).
 void offer_all(RewriteFinder& places, const std::vector<std::pair<NodeId, NodeId>>& all) {
     std::vector<std::pair<NodeId, NodeId>> innermost;
     for (const auto& [old, now] : all) {
@@ -88,7 +88,7 @@ void offer_all(RewriteFinder& places, const std::vector<std::pair<NodeId, NodeId
     for (const auto& one : all) places.offer({one});
 }
 
-/// a − (a·n)/|n|² n, or with n/|n|.
+/// a − (a·n)/|n|² n; normalised: the same with n/|n|.
 Triple foot(RewriteFinder& places, const Triple& a, const Triple& n, bool normalised) {
     Terms& terms = places.terms;
     const bool is_unit = places.unit == n;
@@ -128,7 +128,7 @@ void find_approach(RewriteFinder& places, bool normalised) {
     offer_all(places, all);
 }
 
-/// What a product is the square of.
+/// The number whose square the product is; nothing if there is none.
 std::optional<NodeId> root_of(RewriteFinder& places, const Product& product, bool by_length) {
     Product half;
     bool length = false;
@@ -172,7 +172,7 @@ void find_squares(RewriteFinder& places, bool by_length) {
     });
 }
 
-/// Three vectors whose dot products with each other are the factors of a product.
+/// Three vectors whose pairwise dot products are the factors of a product.
 std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
     const auto [a, b] = terms.factors_of(ab).value();
     for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
@@ -184,7 +184,7 @@ std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, Node
     return std::nullopt;
 }
 
-/// The sum with (a·(b × c))² in place of its Gram determinant, where `crossed` is factor·rest·2(a·b)(b·c)(c·a).
+/// The sum with (a·(b × c))² in place of its Gram determinant; `crossed` is factor·rest·2(a·b)(b·c)(c·a).
 std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& crossed, const std::array<Triple, 3>& v) {
     const auto dot = [&](std::size_t k, std::size_t l) { return terms.known_dot(v[k % 3], v[l % 3]); };
     for (std::size_t k = 0; k < 3; ++k)

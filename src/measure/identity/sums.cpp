@@ -166,7 +166,7 @@ NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::stri
     };
     if (positive(shared) && factor.under == 1)
         return terms.add(TapeOp::mul, {product_of(terms, shared, factor, newest), all}, label);
-    // k·s/(m·n) as (k·s)/(m·n), not as a product with a quotient.
+    // k·s/(m·n) is written as (k·s)/(m·n), not as a product with a quotient.
     Product above, below;
     for (const auto& [atom, power] : shared) (power > 0 ? above[atom] : below[atom]) = std::abs(power);
     NodeId upper = all;

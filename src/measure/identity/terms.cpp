@@ -6,7 +6,7 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// a + b and a·b round as b + a and b·a do.
+/// a + b and a·b round the same as b + a and b·a.
 bool commutes(TapeOp op) { return op == TapeOp::add || op == TapeOp::mul; }
 
 }  // namespace

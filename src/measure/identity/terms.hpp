@@ -1,4 +1,4 @@
-// Formulas as terms: of all that rewriting makes every operation once, each of which knows what it was before.
+// Formulas as terms: rewriting makes every operation only once, and each knows the operation that it replaces.
 #pragma once
 
 #include <array>
@@ -14,23 +14,23 @@
 
 namespace lostbits::measure::identity {
 
-/// The components of a vector, which need not be one: an identity of vectors holds for any three numbers.
+/// Three numbers, usually the components of a vector: an identity of vectors holds for any three.
 using Triple = std::array<NodeId, 3>;
 
-/// A growing tape in which equal operations are one node, so that two formulas are the same where their outputs are.
-/// Beside each node stands the oldest one that it equals in real arithmetic: what it means.
+/// A growing tape in which equal operations are one node, so two formulas are the same if their outputs are. The
+/// meaning of a node is the oldest node that it equals in real arithmetic.
 class Terms {
 public:
-    /// All of a form's tape, which is computed in one format.
+    /// Takes a form's whole tape, which is computed in one format.
     explicit Terms(const Tape& form);
 
     [[nodiscard]] const TapeNode& operator[](NodeId i) const { return tape_[i]; }
     [[nodiscard]] NodeId size() const { return tape_.size(); }
-    /// Of the form.
+    /// Outputs of the form.
     [[nodiscard]] const TapeOutputs& outputs() const { return tape_.outputs; }
-    /// The format of the answer, which everything that rules add is computed in.
+    /// Format of the answer; everything that rules add is computed in it.
     [[nodiscard]] const FloatFormat& format() const { return format_; }
-    /// Whether it is computed in that format.
+    /// True if node i is computed in that format.
     [[nodiscard]] bool is_own(NodeId i) const { return tape_.format_of(i) == format_; }
 
     NodeId add(TapeOp op, const TapeOperands& of, std::string_view label = {});
@@ -42,19 +42,21 @@ public:
     Triple cross(const Triple& a, const Triple& b);
 
     [[nodiscard]] NodeId meaning(NodeId i) const;
-    /// They are equal in real arithmetic, for rays that meet what the form and its rules ask for.
+    /// Records that two nodes are equal in real arithmetic, for rays that satisfy the conditions of the form and its
+    /// rules.
     void unite(NodeId a, NodeId b);
 
-    /// The factors of a node that is a sum of three products.
+    /// Factors of a node that is a sum of three products.
     [[nodiscard]] std::optional<std::pair<Triple, Triple>> factors_of(NodeId i) const;
-    /// The first node that is their dot product, in whichever order.
+    /// The first node that is the dot product of a and b, in either order.
     [[nodiscard]] std::optional<NodeId> known_dot(const Triple& a, const Triple& b) const;
 
-    /// The outputs of a formula with some nodes in place of others; what is computed from these is made anew.
+    /// Outputs of a formula with some nodes replaced by others; nodes computed from those are made anew.
     TapeOutputs with(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced);
-    /// What outputs are computed from, in order; inputs among it.
+    /// Nodes that the outputs are computed from, in order, including inputs.
     [[nodiscard]] std::vector<NodeId> needed(const TapeOutputs& outputs) const;
-    /// A formula as a tape of its own, with all inputs of the form; `origins`: which of these each of its nodes is.
+    /// A formula as a tape of its own, with all inputs of the form. `origins` receives the node here for each node
+    /// there.
     [[nodiscard]] Tape tape(const TapeOutputs& outputs, std::vector<NodeId>* origins = nullptr) const;
 
 private:
@@ -70,7 +72,7 @@ private:
     std::vector<NodeId> meaning_;
 };
 
-/// The direction of the ray.
+/// Direction of the ray.
 Triple direction_of(const Terms& terms);
 
 inline std::array<NodeId, 4> all_of(const TapeOutputs& o) { return {o.hit, o.t, o.near, o.far}; }

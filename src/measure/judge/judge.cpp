@@ -31,12 +31,12 @@ using truth::missing;
 
 namespace {
 
-/// Some rays of the file on their way: read, then measured as a band.
+/// Rays of the file in the pipeline: read first, then measured as a band.
 struct Piece {
     Records records;
-    std::exception_ptr fault = {};  ///< of the reading: it is thrown in the order of the file
+    std::exception_ptr fault = {};  ///< error while reading, rethrown in the order of the file
     Chunk chunk = {};
-    std::unique_ptr<culling::Culler> culler = {};  ///< of a mesh
+    std::unique_ptr<culling::Culler> culler = {};  ///< for a mesh
     std::unique_ptr<Band> band = {};
     std::optional<evaluate::BandOfRows> shared = {};
     answer::Answers answers = {};
@@ -53,13 +53,12 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                               const char* has) {
-    throw InputError(dump.name() + ": " + has + " " + scene::toml::counted(result.rays, "ray") +
-                     " where a picture of " + std::to_string(request.picture->first) + "x" +
-                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
-                     "; its --size is columns x rows");
+    throw InputError(dump.name() + ": " + has + " " + scene::toml::counted(result.rays, "ray") + ", but a picture of " +
+                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
+                     std::to_string(pixels_of(request)) + "; its --size is columns x rows");
 }
 
-constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
+constexpr std::size_t most_of_first = 4096;  // limit of JudgeResult::first
 
 class Run {
 public:
@@ -73,7 +72,7 @@ public:
     }
 
     JudgeResult run() {
-        // Few pieces at a time: each is measured in parallel by itself.
+        // Only a few pieces at a time: each is measured in parallel.
         constexpr std::size_t at_once = 4;
         const auto read = tbb::make_filter<void, std::shared_ptr<Piece>>(
             tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
@@ -136,7 +135,7 @@ private:
         RayGroup group;
         group.rays = chunk.rays;
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
-        // The last rays of a file that is no picture: `measure` refuses it.
+        // The last rays of a file that is not a picture of this size: `measure` refuses it.
         const bool rows = width > 0 && n % width == 0 && chunk.first + n <= pixels();
         group.rays.width = static_cast<int>(rows ? width : n);
         group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
@@ -151,7 +150,7 @@ private:
         if (file_) piece.answers = answers_of(piece);
     }
 
-    /// The solids of all rays, a mesh as such: only of one there are cracks and double hits.
+    /// Sets the primitives of all rays. A mesh is kept as a mesh: only meshes have cracks and double hits.
     void put_solids(RayGroup& group) const {
         const std::size_t triangles = request_.mesh ? request_.mesh->size() : 0;
         group.solids.assign(request_.solids.begin(), request_.solids.end() - static_cast<std::ptrdiff_t>(triangles));
@@ -170,8 +169,8 @@ private:
         return answers;
     }
 
-    /// The solid that an answer is about: the one there is, the one that the file names, the one that the ray truly
-    /// hits, or else the one whose surface is nearest to the answer.
+    /// The primitive that an answer is about: the only one, the one that the file names, the one that the ray truly
+    /// hits, or otherwise the one whose surface is nearest to the answer.
     [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
         const Chunk& chunk = piece.chunk;
         if (!chunk.solids.empty()) return static_cast<std::int32_t>(i);
@@ -222,7 +221,7 @@ private:
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
-    /// The rays by their groups, which are there then. Nothing where none are asked for.
+    /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
     std::vector<evaluate::RaysOfValue> group(const Chunk& chunk) {
         if (!request_.by) return {};
         const std::size_t columns = dump_.layout().kept().size();
@@ -253,8 +252,8 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_;  ///< the place of its row
-    std::uint64_t read_ = 0;           ///< pieces
+    std::optional<std::size_t> file_;  ///< index of the row of the file's answers
+    std::uint64_t read_ = 0;           ///< number of pieces read
     bool failed_ = false;
     JudgeResult result_;
 };
@@ -308,7 +307,7 @@ std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {
 
 void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
     if (result.rays == 0)
-        throw InputError(dump.name() + ": has no rays; write a record for each behind what stands in front");
+        throw InputError(dump.name() + ": has no rays; write one record for each ray after the header");
     if (request.picture && result.rays != pixels_of(request)) refuse_size(dump, request, result, "has");
 }
 

@@ -9,7 +9,7 @@ namespace lostbits::measure::judge {
 using answer::Outcome;
 
 NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
-    // The nearest of all solids is the nearer of these two.
+    // Two primitives decide which hit is nearest: the form's and the true one.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
         if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);
@@ -44,7 +44,7 @@ void WorstRays::look_at(std::uint64_t first, const evaluate::BandResult& result)
             if (faults_[static_cast<std::size_t>(outcome)].size() < most_) keep_fault(note(first, i, result));
             continue;
         }
-        // An answer that is right to the last bit is never reported as the worst.
+        // An answer with an error of at most half an ulp is never reported as the worst.
         const double error = std::fabs(ulps[i]);
         if (error > 0.5 && is_kept(error)) keep_error(note(first, i, result));
     }
