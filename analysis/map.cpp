@@ -148,12 +148,13 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
 
 void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
                  bool verbose) {
+    fmt::print("{}: {}\n", work.map.scene->id, scene::toml::counted(work.map.scene->pixels(), "ray"));
+    print_table(work.map, summaries.map);
+    print_pairs(work.map.rows, work.map.metrics, summaries.map);
+    if (work.needed) print_table(*work.needed, summaries.needed);
+    if (verbose) print_stages(*work.map.stages);
     fmt::print("{}\n", (folder / "contact.png").string());
     if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
-    print_pairs(work.map.rows, work.map.metrics, summaries.map);
-    if (verbose) print_table(work.map, summaries.map);
-    if (verbose) print_stages(*work.map.stages);
-    if (verbose && work.needed) print_table(*work.needed, summaries.needed);
     note_lost_crossings(work, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
     if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())

@@ -44,8 +44,10 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
             std::ranges::any_of(standings, [&](const auto& row) { return of_set(row) && row.at("dominated") == "0"; }));
         CHECK(has(r.out, std::string("\n") + set + ": "));
     }
-    CHECK(has(r.out,
-              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere."));
+    // The table has each form and format once a set, the fastest first.
+    CHECK(has(r.out, "\neasy: from 4 sizes away, in any direction, 1024 rays\n    form "));
+    CHECK(has(r.out, "\n  cheapest form that is never wrong on this set and keeps at least\n    8"));
+    CHECK(has(r.out, " bits (p99): sphere."));
     CHECK(r.out.starts_with(contents(folder / "trade.txt")));
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     CHECK(package["resources"].size() == 2);

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include "output/file/atomic_file.hpp"
 #include "output/map/row_names.hpp"
@@ -228,21 +232,58 @@ void write_trade_plot(const std::filesystem::path& path, const TradeRequest& req
     plot::write_scatter_plot(path, trade_plot(request, result, set));
 }
 
+namespace {
+
+/// The kernels on a set of rays, the fastest register width of each form and format, by time.
+std::string standings_text(const TradeRequest& request, const TradeResult& result,
+                           const std::vector<measure::speed::ParetoPoint>& all) {
+    const auto dominated = measure::speed::dominated(all);
+    const auto timing = [&](std::size_t k) {
+        return result.times[k][measure::speed::standing_load(request.loads)].timing;
+    };
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&all](std::size_t k) { return all[k].time_ns; });
+    std::set<std::pair<std::string_view, std::string_view>> seen;
+    std::string text = fmt::format("    {:<28} {:<5} {:>9} {:>9} {:>6} {:>15} {:>8}\n", "form", "fmt", "registers",
+                                   "ns", "+-", "bits kept (p99)", "wrong");
+    for (const std::size_t k : order) {
+        const auto [form, format, isa] = name_of(request.kernels[k]);
+        if (!seen.emplace(form, format).second) continue;
+        const measure::speed::Timing t = timing(k);
+        const double kept = all[k].kept_bits;
+        text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
+                            form, format, isa, t.median, 50 * (t.high_quartile - t.low_quartile) / t.median,
+                            std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
+    }
+    return text + "  * on the Pareto front; +- half of the distance between the quartiles\n";
+}
+
+/// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.
+std::string cheapest_text(const TradeRequest& request, const std::vector<measure::speed::ParetoPoint>& all) {
+    std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
+    for (const int bits : measure::speed::asked_bits) {
+        const auto best = measure::speed::cheapest(all, bits);
+        const std::string answer =
+            best ? fmt::format("{}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns) : "none";
+        if (!lines.empty() && lines.back().second == answer) lines.back().first += fmt::format(", {}", bits);
+        else lines.emplace_back(std::to_string(bits), answer);
+    }
+    std::string text = "  cheapest form that is never wrong on this set and keeps at least\n";
+    for (const auto& [bits, answer] : lines) text += fmt::format("    {} bits (p99): {}\n", bits, answer);
+    return text;
+}
+
+}  // namespace
+
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
     std::string text = timed_in_words(request, result);
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
-        text += fmt::format("\n{}: {}\n", sets[s].name, sets[s].title);
-        for (const int bits : measure::speed::asked_bits) {
-            const auto best = measure::speed::cheapest(all, bits);
-            const std::string answer =
-                best ? fmt::format("is {}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns)
-                     : "does not exist: none keeps that many";
-            text += fmt::format(
-                "  the cheapest form that keeps at least {:>2} bits (p99) on this set with no wrong decision {}\n",
-                bits, answer);
-        }
+        text += fmt::format("\n{}: {}, {}\n", sets[s].name, sets[s].title,
+                            scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
+        text += standings_text(request, result, all) + cheapest_text(request, all);
     }
     return text;
 }

@@ -81,7 +81,7 @@ private:
 std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request,
                                                           const measure::speed::TradeResult& result, std::size_t set);
 
-/// For each set of rays and number of bits: the cheapest that keeps them, or that none does.
+/// For each set of rays: a table of the forms by time, and the cheapest that keeps each number of bits.
 std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
 /// The titles of the axes of the picture, here and on the page.
