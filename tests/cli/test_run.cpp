@@ -205,7 +205,33 @@ TEST_CASE("./run all makes everything and ends with the page, another word is re
         CHECK(has(said.calls, part));
     CHECK(said.out.ends_with(tree.at("out/report/index.html").string() + "\n"));
     CHECK(tree.run("al").code != 0);
-    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all | test [--long | --sanitize] | fuzz [SECONDS]]"));
+    CHECK(has(contents(tree.at("err.txt")),
+              "usage: ./run [all | test [--long | --sanitize] | package | fuzz [SECONDS]]"));
+}
+
+TEST_CASE("./run package puts both packages and their check-sums into dist") {
+    const Tree tree;
+    tree.write("python/setup.py", "");
+    tree.write("CMakeLists.txt", "");
+    tree.write("dist/lostbits_0.0.9_amd64.deb", "old");
+    tree.stand_in("bin/cpack", "mkdir -p \"$4\" && echo deb >\"$4/lostbits_0.1.0_amd64.deb\"");
+    tree.stand_in(
+        "bin/python3",
+        "case \"$*\" in *--wheel*) test -f \"${7}/setup.py\" && echo wheel >\"$6/lostbits-0.1.0.whl\" ;; esac");
+    const auto said = tree.run("package");
+    INFO(said.calls << said.err);
+    REQUIRE(said.code == 0);
+    CHECK(has(said.calls, "-DLOSTBITS_PACK_WIDTHS=all"));
+    CHECK(said.out.ends_with(tree.at("dist").string() + "\n"));
+    CHECK(has(contents(tree.at("dist/SHA256SUMS")), "  lostbits-0.1.0.whl\n"));
+    CHECK(has(contents(tree.at("dist/SHA256SUMS")), "  lostbits_0.1.0_amd64.deb\n"));
+    CHECK_FALSE(fs::exists(tree.at("dist/lostbits_0.0.9_amd64.deb")));
+    CHECK_FALSE(fs::exists(tree.at("python/lostbits.egg-info")));
+    tree.stand_in("bin/cpack", "echo no such generator; exit 1");
+    const auto failed = tree.run("package");
+    CHECK(failed.code == 3);
+    CHECK(has(failed.err, "no such generator"));
+    CHECK(fs::exists(tree.at("dist/SHA256SUMS")));
 }
 
 TEST_CASE("./run test says how many tests passed, and with --sanitize of both sanitizers' builds") {
