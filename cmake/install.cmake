@@ -6,6 +6,7 @@ install(TARGETS lostbits RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lostbits_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 # Where the program looks, whatever the system calls its folder of libraries.
 install(TARGETS lostbits_image LIBRARY DESTINATION lib/lostbits)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lostbits RENAME copyright)
 install(FILES analysis/library/lostbits.h plugins/lostbits_dump.h plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lostbits_form.hpp
     ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml" PATTERN "dumps/*")
