@@ -151,21 +151,21 @@ struct FloatsOnRay {
 /// Most floats that one form refines in one block.
 inline constexpr std::size_t most_refined = 4096;
 
-/// What the rows of the request do at these floats: a tally a row.
+/// Runs the rows of the request on these floats; one tally a row.
 ///
-/// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
-/// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
-/// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
-/// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
+/// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
+/// refined, so that none is worse by more than 2^-20 of it or of an ulp. Where thousands in a row are equally bad to
+/// within 2^-8 ulp (where t* hardly depends on the axis, say), at most `most_refined` are refined. `at_most` bounds the
+/// errors of the others. Crossings of a number of lost bits are decided by the complete truth where the columns leave
 /// them open.
 std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
 
-/// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
-/// that asks no box.
+/// Number of u by which tmax must grow so that no hit is missed because slabs come apart; 0 where none is missed so,
+/// missing for a form that asks no box.
 double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
-/// As `try_floats`: of a sweep across a mesh. Every float is held against the whole truth of its ray, and its error is
-/// the metric `ulp_error`: nothing is left open.
+/// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
+/// error is the metric `ulp_error`: nothing is left open.
 std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages);
 
 /// One form at one float.

@@ -85,14 +85,14 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request);
 /// Rows at any values of the sweep's axes, on its steps or between them.
 std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values);
 
-/// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
-/// the 99th percentile and the largest, of one ulp by the median of each measured step of a space, of the first of each
-/// of the `wrong_decisions`, and of the first march that ends at max_dist, at max_steps, or stagnated; each bracket
-/// [last good, first bad] narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A
-/// crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may be good again
-/// later: the last place that is, and where it is bad from then on, are found alike. Then the first crossings on
-/// further draws, where the request asks for them. Of both ends, each onset that is read from the first step is
-/// followed by the same read from the last.
+/// Finds the first crossings along the first axis of a sweep with one axis: of 1, 4, 8, p/2 and p lost bits by the
+/// median, the 99th percentile and the largest; of one ulp by the median of each measured step of a transform; of the
+/// first of each of the `wrong_decisions`; and of the first march that ends at max_dist, at max_steps, or stagnated.
+/// Each bracket [last good, first bad] is narrowed by bisection until it is 2^-9 of its value wide, or holds no number
+/// of the axis. A crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may
+/// be good again later: the last good point, and the point from which it stays bad, are found the same way. Then come
+/// the first crossings on further draws, where the request asks for them. With `both_ends`, each onset that is read
+/// from the first step is followed by the same read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Runs the steps and finds the onsets. A share that is not the whole measures all steps of its onsets' rows itself.
