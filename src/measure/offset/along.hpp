@@ -15,8 +15,8 @@ enum class Along { distance, radius, world };
 inline constexpr std::array<std::string_view, 3> along_names{"distance", "radius", "world"};
 inline constexpr std::string_view name_of(Along a) { return along_names[static_cast<std::size_t>(a)]; }
 inline constexpr std::array<std::string_view, 3> along_meanings{
-    "times as far away, the picture the same", "times every length of the scene",
-    "everything moved by so many times (1, 0.6875, -0.4375)"};
+    "times as far away, with the same picture", "times every length of the scene",
+    "everything moved by this many times (1, 0.6875, -0.4375)"};
 /// Meaning of k, for axes and tables.
 inline constexpr std::string_view meaning_of(Along a) { return along_meanings[static_cast<std::size_t>(a)]; }
 
