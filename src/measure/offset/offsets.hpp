@@ -93,8 +93,8 @@ struct OffsetRequest {
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
     bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {
-    };  ///< called after each band of a row with the number of its pixels
+    /// Called after each band of a row with the number of its pixels.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
 /// Forms that measure points and self-hits where none is named, one a shape in the order of the shapes, and their
