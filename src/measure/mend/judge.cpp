@@ -185,8 +185,8 @@ Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge) {
     const Compared both = compared(request.row, tape, request, judge);
     if (both.same) return both.worth;
     throw InputError(std::string(request.row.form->info->name) +
-                     ": its operations are not the same for every ray, since it decides by itself how far to go; name "
-                     "a form that does the same to all");
+                     ": its operations differ from ray to ray, because it decides by itself how far to go; name a form "
+                     "that does the same to every ray");
 }
 
 std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {

@@ -165,8 +165,8 @@ bool are_inverses(const MendRequest& request) {
     else add(request.rays->sample.solids);
     if (kinds.size() == 1) return *kinds.begin() == 1;
     throw InputError(request.id() +
-                     ": some solids stand under no matrix, or some matrices are stored as inverses and others are not: "
-                     "each kind does other operations; mend the form for those of one kind");
+                     ": some primitives have no matrix, or only some matrices are stored as inverses; the operations "
+                     "differ for each kind; mend the form for primitives of one kind");
 }
 
 Tape recorded(const MendRequest& request) {

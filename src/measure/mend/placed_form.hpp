@@ -1,6 +1,6 @@
-// A form that takes the matrix of its solid as well, compiled outside of the program and run over columns of rays: what
-// a form that was mended under a matrix is compiled as. It is between this program and what it compiles itself; the C
-// interface and `LOSTBITS_FORMULAS` hand over no matrix.
+// Form that takes the matrix of its primitive as well, compiled outside of the program and run over columns of rays. A
+// form repaired under a matrix is compiled this way. The interface is private to this program and what it compiles
+// itself; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
 #pragma once
 
 #include <array>
@@ -22,18 +22,18 @@ namespace lostbits::measure::mend {
 template <class F>
 struct PlacedColumns {
     const F* ray[6];
-    const F* tmax;  ///< null: they end nowhere
+    const F* tmax;  ///< null: the rays have no end
     const F *solid, *matrix;
-    F* told[3];  ///< t, near and far
+    F* told[3];  ///< results: t, near and far
     std::uint8_t* hit;
-    std::size_t size;  ///< of packs a multiple of their lanes
+    std::size_t size;  ///< for packs, a multiple of their lanes
 };
 
 template <class F>
 using PlacedKernel = void (*)(const PlacedColumns<F>*);
 
-/// `Form::intersect` over T, which is F or a pack of it. In an object of a register width T has internal linkage, and
-/// with it all that is instantiated here (see `Width`).
+/// Runs `Form::intersect` over T, which is F or a pack of it. In an object of a register width T has internal linkage,
+/// and so has everything instantiated here (see `Width`).
 template <class Form, template <class> class S, class T, class F>
 [[gnu::flatten]] void answer_placed(const PlacedColumns<F>* columns) {
     const PlacedColumns<F> all = *columns;  // a copy: the stores below could reach it
@@ -74,7 +74,7 @@ template <class Form, template <class> class S, class T, class F>
 #define LOSTBITS_PLACED_NAME(name) name##_alone
 #define LOSTBITS_PLACED_NUMBER(F) F
 #endif
-/// Exports `name_alone`, or `name_packs` of an object of a register width: the answers of a form over F to one Solid.
+/// Exports `name_alone`, or `name_packs` in an object of a register width: the answers of a form over F to one Solid.
 #define LOSTBITS_PLACED_FORM(name, Form, Solid, F)                                                            \
     extern "C" [[gnu::visibility("default")]] void LOSTBITS_PLACED_NAME(name)(                                \
         const lostbits::measure::mend::PlacedColumns<F>* columns) {                                           \

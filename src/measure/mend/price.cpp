@@ -121,7 +121,7 @@ std::vector<doors::Formula> placed_rows(const fs::path& library, const std::vect
 void write(const fs::path& file, const std::string& text) {
     std::ofstream out(file, std::ios::binary);
     if (!(out << text).flush())
-        throw EnvironmentError(file.string() + ": cannot write; set TMPDIR to a folder that has room");
+        throw EnvironmentError(file.string() + ": cannot write this file; set TMPDIR to a folder with free space");
 }
 
 /// EnvironmentError with what the compiler said.
@@ -130,7 +130,7 @@ void run_compiler(const intersect::process::ProgramWords& words, const MendReque
                                     {.who = words.front(), .duty = "", .seconds = 600, .stop = request.limit.stop});
     const auto ended = child.read_to_end();
     if (ended.status == 0) return;
-    const std::string why = ended.output.empty() ? "ended without a word" : ended.output;
+    const std::string why = ended.output.empty() ? "failed without any output" : ended.output;
     throw EnvironmentError(intersect::process::shell_command(words) + ": " + why);
 }
 
@@ -140,9 +140,9 @@ auto load_made(const fs::path& library, const Load& load) {
     try {
         return load(library);
     } catch (const InputError& refused) {
-        throw EnvironmentError(std::string(refused.what()) +
-                               "; programs may not be run from there (noexec) or its memory is short: set TMPDIR to "
-                               "another folder");
+        throw EnvironmentError(
+            std::string(refused.what()) +
+            "; the folder may not allow programs to run (noexec), or memory may be short; set TMPDIR to another one");
     }
 }
 
@@ -173,8 +173,8 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
                                                 const Workshop& workshop) {
     if (!fs::exists(workshop.flags / "form.flags"))
         throw EnvironmentError((workshop.flags / "form.flags").string() +
-                               ": not there, and so nobody knows how forms are compiled for this program; a build of "
-                               "lostbits has it, and an installed one in lib/lostbits");
+                               ": this file is missing; it holds the compiler flags for forms; a build of lostbits has "
+                               "it, and an installation has it in lib/lostbits");
     const intersect::device::TemporaryFolder bench("lostbits-mend");
     const auto path = [&](const std::string& name) { return (bench.path / name).string(); };
     const auto flags = [&](const std::string& name) { return "@" + (workshop.flags / name).string(); };

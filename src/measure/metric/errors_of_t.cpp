@@ -69,22 +69,19 @@ constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
 
 /// Where an ulp of t* says nothing, or not enough.
 constexpr Metric rows_of_t[] = {
-    tabled(
-        {"error_at_zero", "u", "err.at_zero"},
-        "of a hit at t* = 0, where no ulp measures: |t| |d| over u times the largest number of the origin and of the "
-        "points and lengths of the solid",
-        error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
-    tabled(
-        {"root", "", "err.root"},
-        "whether a correct hit has the t of another crossing of the same solid: to a quarter of what lies between that "
-        "and the true one (wrong); no_hit: of no correct hit",
-        root, {.ramp = Ramp::categories, .over = Over::every, .categories = root_names}),
-    tabled(
-        {"derivative_error", "u", "err.derivative"},
-        "dt/dx of every number of origin, direction, points and lengths, as the form yields them by forward "
-        "differentiation in the format: the largest error of one, over the largest of its vector; of a form for unit "
-        "directions without those of the direction, of a solid under no matrix",
-        derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
+    tabled({"error_at_zero", "u", "err.at_zero"},
+           "for a hit at t* = 0, where an ulp is not a measure: |t| |d| over u times the largest number of the origin "
+           "and of the points and lengths of the primitive",
+           error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
+    tabled({"root", "", "err.root"},
+           "tells if a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
+           "the distance between that crossing and the true one; no_hit: not a correct hit",
+           root, {.ramp = Ramp::categories, .over = Over::every, .categories = root_names}),
+    tabled({"derivative_error", "u", "err.derivative"},
+           "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
+           "the form in the format: the largest error of one, over the largest of its vector; without the direction "
+           "for forms of unit directions; for a primitive without a matrix",
+           derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace
 

@@ -127,13 +127,12 @@ double barycentric_sum(const Sample& s) {
 }
 
 constexpr Metric rows_of_weights[] = {
-    tabled(
-        {"barycentric_error", "u", "weights.error"},
-        "of a triangle: the largest error of the barycentric coordinates (u, v) that the form computes, |u - u*| over "
-        "2^-p",
-        barycentric_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2}),
+    tabled({"barycentric_error", "u", "weights.error"},
+           "for a triangle: the largest error of the barycentric coordinates (u, v) that the form computes, |u - u*| "
+           "over 2^-p",
+           barycentric_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2}),
     tabled({"barycentric_sum", "u", "weights.sum"},
-           "of a triangle: |u + v + w - 1| over 2^-p, of a form that computes all three barycentric coordinates",
+           "for a triangle: |u + v + w - 1| over 2^-p, for a form that computes all three barycentric coordinates",
            barycentric_sum, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4})};
 
 template <class F>

@@ -1,4 +1,4 @@
-// Columns of summaries that claims can name: of offsets, of rendered pictures, of consistency.
+// Columns of summaries that claims can name: columns of offsets, of rendered pictures, of consistency.
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@
 
 namespace lostbits::measure::metric {
 
-/// A number of what the parameters name.
+/// Named column of a summary: a number computed from the parameters.
 template <class... Of>
 struct MeasuredColumn {
     std::string_view name, unit, meaning;
     bool whole;              ///< a count
-    double (*value)(Of...);  ///< NaN where it is missing: a share of nothing, a quantile of no number
+    double (*value)(Of...);  ///< NaN where it does not exist: a share of nothing, a quantile of no numbers
 };
 
-/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message, and `whose` is
-/// what has these columns.
+/// Finds a column by its name. InputError for an unknown one, with did-you-mean. `where` starts the message, and
+/// `whose` names what has these columns.
 template <class... Of>
 const MeasuredColumn<Of...>& column_named(std::span<const MeasuredColumn<Of...>> columns, const std::string& name,
                                           const std::string& where, const std::string& whose = "") {

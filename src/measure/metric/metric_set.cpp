@@ -49,20 +49,22 @@ constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[]
 /// What there is of each label: `name` and `layer` lack it. The first are about a number, the others about an
 /// operation.
 constexpr Metric labelled[] = {
-    tabled({"tolerance:", "", "err.tolerance"},
-           "whether the hit point is at most so far from the true one, along the ray, in the scene's unit of length: ",
-           beyond, {.ramp = Ramp::categories, .categories = within_names}),
-    tabled({"enough_bits:", "", "bits.enough"}, "whether t keeps so many bits (correct_bits): ", too_few,
+    tabled(
+        {"tolerance:", "", "err.tolerance"},
+        "tells if the hit point is at most this far from the true one, along the ray, in the scene's unit of length: ",
+        beyond, {.ramp = Ramp::categories, .categories = within_names}),
+    tabled({"enough_bits:", "", "bits.enough"}, "tells if t keeps this many bits (correct_bits): ", too_few,
            {.ramp = Ramp::categories, .categories = enough_names}),
     tabled({"contribution:", "ulp", "contribution."},
-           "what of the error of t is assigned to operations of that name, in ulps of t without rounding", contribution,
-           {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+           "part of the error of t that is assigned to operations of that name, in ulps of t without rounding",
+           contribution, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"cancellation:", "bits", "cancellation."},
-           "bits that the operation of that name cancels of operands that were already wrong", cancellation,
+           "bits that the operation of that name cancels in operands that were already wrong", cancellation,
            {.needs = needs_attribution}),
-    tabled({"step:", "ulp", "space."},
-           "what of the error of t is assigned to that step into the space of a solid under a matrix and back",
-           step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
+    tabled(
+        {"step:", "ulp", "space."},
+        "part of the error of t that is assigned to that step to object space or back, for a primitive under a matrix",
+        step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
 
 bool is_of_operation(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
 
@@ -88,7 +90,8 @@ void refuse_unknown_label(const Metric& metric, const std::vector<const Intersec
     const std::string label(metric.label);
     throw InputError("--metric " + std::string(metric.name) + ": no selected form has an operation named \"" + label +
                      "\"; " +
-                     (labels.empty() ? "none of them names its operations" : scene::toml::did_you_mean(label, labels)));
+                     (labels.empty() ? "none of the selected forms names its operations"
+                                     : scene::toml::did_you_mean(label, labels)));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The metrics of one run: rows of the table, and those that are made for it.
+// The metrics of one run: rows of the table, and rows that are made for the run.
 #pragma once
 
 #include <deque>
@@ -11,23 +11,24 @@
 
 namespace lostbits::measure::metric {
 
-/// Keeps the rows that are in no table: it outlives every request that holds them. Not for several threads at once.
+/// Keeps the rows that are in no table, so it must outlive every request that holds them. Not thread-safe.
 class MetricSet {
 public:
-    /// The metric of that name; of `contribution:LABEL`, `cancellation:LABEL`, `tolerance:LENGTH` and
-    /// `enough_bits:BITS` one that is made here. Null where no metric is called so. InputError for a LENGTH that is
-    /// none, and for a second one: columns are called `tolerance`, whatever the length.
+    /// Finds the metric of that name. `contribution:LABEL`, `cancellation:LABEL`, `tolerance:LENGTH` and
+    /// `enough_bits:BITS` make a metric here. Null for an unknown name. InputError for a LENGTH that is not a length,
+    /// and for a second LENGTH: columns are called `tolerance`, whatever the length.
     const Metric* find(std::string_view name);
 
-    /// `culprit` that tells these operations apart: its categories are `none`, then these.
+    /// Makes a `culprit` that tells these operations apart: its categories are `none`, then these.
     const Metric* culprit_of(const std::vector<std::string>& operations);
 
-    /// The metrics as these forms have them: the categories of `culprit` are the operations of each form, those that
-    /// several forms share once. InputError for a label that no form has, with did-you-mean.
+    /// Adapts the metrics to these forms: the categories of `culprit` are the operations of each form, and an operation
+    /// of several forms is listed once. InputError for a label that no form has, with did-you-mean.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
                                          const blame::Setting& setting);
-    /// The same in a setting that is made only where a metric depends on it: a scene may have millions of solids.
+    /// Like the other overload, but the setting is made only where a metric depends on it: a scene may have millions of
+    /// primitives.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
                                          const std::function<blame::SettingOf()>& setting);

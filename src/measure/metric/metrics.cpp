@@ -72,9 +72,10 @@ constexpr Metric table[] = {
     tabled({"herbie_bits", "bits", "bits.herbie"},
            "log2(1 + |ordinal(t) - ordinal(RN(t*))|): Herbie's and FPBench's measure", herbie,
            {.needs = needs_rounded_truth}),
-    tabled({"ulp_error", "ulp", "err.ulp"},
-           "(t - t*)/ulp(t*), signed, against the unrounded truth; 0 where t is infinite as t* is when rounded",
-           ulp_error, {.ramp = Ramp::magnitude, .low = 0x1p-4, .by_default = true, .in_columns = InColumns::ulp_error}),
+    tabled(
+        {"ulp_error", "ulp", "err.ulp"},
+        "(t - t*)/ulp(t*), signed, compared with the unrounded truth; 0 where t is infinite and t* rounds to infinity",
+        ulp_error, {.ramp = Ramp::magnitude, .low = 0x1p-4, .by_default = true, .in_columns = InColumns::ulp_error}),
     tabled({"relative_error", "1", "err.relative"}, "|t - t*|/|t*|", relative,
            {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .in_columns = InColumns::relative_error}),
     tabled({"absolute_error", "t", "err.absolute"}, "|t - t*|, in units of t", absolute,
@@ -82,15 +83,14 @@ constexpr Metric table[] = {
     tabled({"distance_error", "length", "err.distance"},
            "|t - t*| |d|: how far the hit point is from the true one, along the ray, in the scene's unit of length",
            distance_error, {.ramp = Ramp::magnitude, .high = 0x1p+10}),
-    tabled(
-        {"residual", "size", "err.residual"},
-        "(|P - G| - r)/r for P = o + t d computed in the format: how far the hit point is off the surface; of a box: "
-        "the largest of lo - P and P - hi over the axes, in longest sides; negative inside; statistics are of the "
-        "magnitude",
-        residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .in_columns = InColumns::residual}),
+    tabled({"residual", "size", "err.residual"},
+           "(|P - G| - r)/r for P = o + t d computed in the format: distance of the hit point from the surface, "
+           "negative inside; for a box: the largest of lo - P and P - hi over the axes, in units of the longest side; "
+           "statistics are of the magnitude",
+           residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .in_columns = InColumns::residual}),
     tabled({"normal_error", "radian", "err.normal"},
-           "the angle between the normal of the solid at the hit point, both computed in the format, and the one where "
-           "the ray truly meets it; of a solid under no matrix, in float and double",
+           "angle between the normal at the hit point, both computed in the format, and the normal where the ray truly "
+           "hits; for a primitive without a matrix, in float and double",
            normal_error, {.ramp = Ramp::magnitude, .high = 0x1p+1}),
     tabled({"input_error", "ulp", "split.input"}, "(t* of the inputs as the format holds them - t*)/ulp(t*)",
            input_error, {.needs = needs_own_truth, .ramp = Ramp::magnitude, .low = 0x1p-4}),
@@ -103,99 +103,102 @@ constexpr Metric table[] = {
            "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", condition_number,
            {.needs = needs_condition, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+30}),
     tabled({"inherent_bits", "bits", "condition.inherent"},
-           "bits that half an ulp in each input alone can cost: lost bits of the most that t can move, in ulp(t*)",
+           "bits that an error of half an ulp in each input alone can cost: lost bits of the largest change of t, in "
+           "ulp(t*)",
            inherent, {.needs = needs_reach}),
     tabled({"inherent_bits_normwise", "bits", "condition.normwise"},
-           "the same of errors in the length of each vector v by u|v|, of a radius r by u r: no component keeps its 0",
+           "inherent_bits for errors of length u|v| in each vector v, and of u r in a radius r: components that are 0 "
+           "change too",
            normwise, {.needs = needs_reach_normwise}),
     tabled({"excess_bits", "bits", "condition.excess"},
-           "lost_bits beyond inherent_bits: what the formula itself loses; where inherent_bits is p, log2 of |t - t*| "
-           "over what half an ulp in each input can move t",
+           "lost_bits beyond inherent_bits: the loss of the formula itself; where inherent_bits is p: log2 of |t - t*| "
+           "over the largest change of t by half an ulp in each input",
            excess, {.needs = needs_reach}),
     tabled({"point_error", "u", "bound.point"},
            "largest component of P - P*, P = o + t d as the format computes it and P* = o + t* d exactly, over (1 + "
-           "max|P|) u: renderers move the next ray's origin by so many u",
+           "max|P|) u: renderers move the next ray's origin by a number of these units",
            point_error, {.ramp = Ramp::magnitude, .low = 0x1p-2}),
-    tabled(
-        {"projected_error", "u", "bound.projected"},
-        "of a sphere: P put back onto the surface as P r/|P| about the centre, in the format: largest relative error "
-        "of a component against the exact P r/|P| of the same P, in u",
-        projected_error, {.ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4}),
-    tabled(
-        {"padding", "u", "bound.padding"},
-        "of a box that is truly hit: by how many u tmax must grow for slabs to see it, (tmin/tmax - 1)/u with tmin and "
-        "tmax of box.signs in the format; 0 where it is seen as it is. Of a form behind a box (FORM^BOX), of that box, "
-        "and of the one that needs most",
-        padding, {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = Over::every}),
-    tabled(
-        {"bound", "ulp", "bound.size"},
-        "what the form itself knows of its error: a running bound on rounding, computed in the format beside t, over "
-        "ulp(t*); infinite where it knows nothing",
-        bound, {.needs = needs_bound, .ramp = Ramp::magnitude, .low = 0x1p-1}),
-    tabled({"bound_ratio", "1", "bound.ratio"}, "bound / |rounding_error|: how many times too wide; never below 1",
-           bound_ratio, {.needs = needs_bound | needs_self, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+20}),
+    tabled({"projected_error", "u", "bound.projected"},
+           "for a sphere: P projected onto the surface as P r/|P| about the centre, in the format; largest relative "
+           "error of a component, compared with the exact P r/|P| of the same P, in u",
+           projected_error, {.ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4}),
+    tabled({"padding", "u", "bound.padding"},
+           "for a box that is truly hit: number of u by which tmax must grow for the slab test to find it, (tmin/tmax "
+           "- 1)/u with tmin and tmax of box.signs in the format; 0 where it is found without. For a form behind a box "
+           "(FORM^BOX): that of its bounding box; of several boxes, the largest",
+           padding,
+           {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = Over::every}),
+    tabled({"bound", "ulp", "bound.size"},
+           "the form's own bound of its error: a running bound on rounding, computed in the format along with t, over "
+           "ulp(t*); infinite where there is no bound",
+           bound, {.needs = needs_bound, .ramp = Ramp::magnitude, .low = 0x1p-1}),
+    tabled({"bound_ratio", "1", "bound.ratio"},
+           "bound / |rounding_error|: the factor by which the bound is too wide; never below 1", bound_ratio,
+           {.needs = needs_bound | needs_self, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+20}),
     tabled(
         {"decision", "", "bound.decision"},
-        "whether the form's own running bounds prove its hit or miss, for the solid that it hits, or truly is hit, or "
-        "else the ray's own, or the first of several",
+        "tells if the form's own running bounds prove its hit or miss; for the primitive that the form hits, else the "
+        "one truly hit, else the ray's own or the first of several",
         decision,
         {.needs = needs_bound, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::decision_names}),
-    tabled(
-        {"arithmetic", "", "bound.arithmetic"},
-        "the arithmetic in which a form that filters settled the ray, with the solid that it hits, or truly is hit, or "
-        "else the ray's own, or the first of several: its own, the next wider one of one word, two words, exact sums",
-        arithmetic,
-        {.needs = needs_way, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::way_names}),
+    tabled({"arithmetic", "", "bound.arithmetic"},
+           "arithmetic in which a form that filters settled the ray: its own, the next wider one of one word, two "
+           "words, or exact sums; for the primitive that the form hits, else the one truly hit, else the ray's own or "
+           "the first of several",
+           arithmetic,
+           {.needs = needs_way, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::way_names}),
     tabled(
         {"worst_step", "", "space.step"},
-        "of the steps into the space of a solid under a matrix and back, the one to which most of the error of t is "
-        "assigned, or the first that turns the decision: each step in turn rounded, those after it exact",
+        "for a primitive under a matrix: the step to object space or back to which most of the error of t is assigned, "
+        "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
         worst_step,
         {.needs = needs_steps, .ramp = Ramp::categories, .over = Over::every, .categories = answer::step_categories}),
-    tabled(
-        {"lost_to", "", "hierarchy.lost_to"},
-        "of a form behind boxes (FORM^BOX) and rays that truly hit: what the hit is lost to: the box in the world, the "
-        "way into the space of the solid, the box there, or the form; nothing where it is found",
-        lost_to,
-        {.needs = needs_levels, .ramp = Ramp::categories, .over = Over::every, .categories = answer::level_names}),
-    tabled(
-        {"end_margin", "ulp", "hierarchy.end"},
-        "of a form behind boxes (FORM^BOX): how many ulps of t another hit, found before, must lie behind this one for "
-        "it to be found still: the least k for which the boxes are hit by a ray that ends at t + k ulp(t); 0 for one "
-        "at the same t",
-        [](const Sample& s) { return s.end_margin; },
-        {.needs = needs_end_margin, .ramp = Ramp::magnitude, .low = 0x1p-1, .high = 0x1p+6}),
+    tabled({"lost_to", "", "hierarchy.lost_to"},
+           "for a form behind boxes (FORM^BOX), on rays that truly hit: the stage that loses the hit: the box in the "
+           "world, the transform to object space, the box there, or the form; nothing where the hit is found",
+           lost_to,
+           {.needs = needs_levels, .ramp = Ramp::categories, .over = Over::every, .categories = answer::level_names}),
+    tabled({"end_margin", "ulp", "hierarchy.end"},
+           "for a form behind boxes (FORM^BOX): the least k for which a ray that ends at t + k ulp(t) hits the boxes; "
+           "a hit found earlier must lie k ulps behind this one for this one still to be found; 0 where the same t is "
+           "enough",
+           [](const Sample& s) { return s.end_margin; },
+           {.needs = needs_end_margin, .ramp = Ramp::magnitude, .low = 0x1p-1, .high = 0x1p+6}),
     tabled({"cancellation", "bits", "culprit.cancellation"},
            "bits of the largest cancellation on the way to t whose operands were already wrong", cancelled,
            {.needs = needs_attribution}),
     tabled({"culprit", "", "culprit.operation"},
-           "the operation to which most of the error of t, or of a decision that rounding changed, is assigned",
-           culprit, {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .by_run = true}),
+           "operation to which most of the error of t, or of a decision that rounding changed, is assigned", culprit,
+           {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .by_run = true}),
     tabled({"without_culprit", "ulp", "culprit.without"},
-           "what rounding makes of t if the culprit alone does not round, in ulps of t without rounding",
+           "rounding error of t if the culprit alone does not round, in ulps of t without rounding",
            counterfactual<&blame::Counterfactuals::mended>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"culprit_alone", "ulp", "culprit.alone"},
-           "what rounding makes of t if the culprit alone rounds, in ulps of t without rounding",
+           "rounding error of t if the culprit alone rounds, in ulps of t without rounding",
            counterfactual<&blame::Counterfactuals::alone>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"against", "", "against.class"},
-           "whether the form of --against decides the same, and has the same t; alone_hits: the other one misses",
+           "tells if the form of --against makes the same decision with the same t; alone_hits: the form of --against "
+           "misses",
            nullptr, {.ramp = Ramp::categories, .over = Over::pairs, .categories = answer::against_names}),
-    tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp of that, where both hit", nullptr,
-           {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::pairs})};
+    tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp(t of that form), where both hit",
+           nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::pairs})};
 
 /// What a march that looked for the hit did.
 constexpr Metric metrics_of_marches[] = {
     tabled({"iterations", "samples", "march.iterations"}, "samples of the field that the march took", iterations,
            {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .over = Over::marches}),
-    tabled({"stop", "", "march.stop"},
-           "why the march ended; stagnated: at the step cap, where the next step would lead nowhere (t + d == t)", stop,
-           {.ramp = Ramp::categories, .by_default = true, .over = Over::marches, .categories = intersect::stop_names}),
+    tabled(
+        {"stop", "", "march.stop"},
+        "reason why the march ended; stagnated: at the step limit, and the next step would not change t (t + d == t)",
+        stop,
+        {.ramp = Ramp::categories, .by_default = true, .over = Over::marches, .categories = intersect::stop_names}),
     tabled({"least_field", "length", "march.least_field"}, "smallest |field| that the march sampled", least_field,
            {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .over = Over::marches}),
     tabled({"overshoot", "length", "march.overshoot"},
-           "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic",
+           "largest depth inside at which the march sampled the field: max(0, -field); from outside it is 0 in exact "
+           "arithmetic",
            overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .over = Over::marches})};
 
 /// A list of metrics that belong together is a word here.

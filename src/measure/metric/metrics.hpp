@@ -20,9 +20,9 @@
 
 namespace lostbits::measure::metric {
 
-/// All that is known of one ray on which form and truth agree that there is a hit; of any other ray `format`, `ray`,
-/// `march`, `bounded` and `way` alone. Null pointers stand for values that no selected metric needs, or that do not
-/// exist (a form that misses in exact arithmetic has no `self`).
+/// Everything known of one ray on which form and truth agree that there is a hit. For any other ray only `format`,
+/// `ray`, `march`, `bounded` and `way` are set. Null pointers stand for values that no selected metric needs, or that
+/// do not exist (a form that misses in exact arithmetic has no `self`).
 struct Sample {
     double t = truth::missing;                ///< the form's answer, a number of the format
     const Format* format = nullptr;           ///< the format of the form under test
@@ -34,25 +34,25 @@ struct Sample {
     double reach = truth::missing;            ///< how far half an ulp in each input can move t*, see `truth::reach`
     double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
     const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
-    const Solid<double>* solid = nullptr;     ///< the solid that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;          ///< null for the forms that do not march
-    const blame::Blame* blame = nullptr;                    ///< which operation lost the bits
-    const intersect::BoundedAnswer* bounded = nullptr;      ///< the answer with the form's own bound
-    const intersect::Way* way = nullptr;                    ///< the arithmetic that settled it, of a form that filters
-    const answer::Steps* steps = nullptr;                   ///< of a form through the space of a solid under a matrix
-    const answer::Levels* levels = nullptr;                 ///< of a form behind a box, where the ray truly hits
-    double end_margin = truth::missing;                     ///< of a form behind a box
-    const Ray<Real>* true_ray = nullptr;                    ///< before any format rounded or made it
-    const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< of a camera whose rays each format makes
-    intersect::Convention convention = {};                  ///< of the form
-    intersect::Direction direction = {};                    ///< that it asks for
-    Range<double> range = {};                               ///< what of the ray counts
-    std::array<std::string_view, 3> weights = {};           ///< what the form calls them, for that solid
+    const Solid<double>* solid = nullptr;     ///< the primitive that the form hit, as it received it
+    const intersect::MarchRecord* march = nullptr;      ///< null for forms that do not march
+    const blame::Blame* blame = nullptr;                ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
+    const intersect::Way* way = nullptr;     ///< for a form that filters: the arithmetic that settled the ray
+    const answer::Steps* steps = nullptr;    ///< for a form that transforms the ray to object space
+    const answer::Levels* levels = nullptr;  ///< for a form behind a box, where the ray truly hits
+    double end_margin = truth::missing;      ///< for a form behind a box
+    const Ray<Real>* true_ray = nullptr;     ///< the ray before any format rounded or made it
+    const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< for a camera whose rays each format makes
+    intersect::Convention convention = {};                  ///< the form's
+    intersect::Direction direction = {};                    ///< the length of direction that the form asks for
+    Range<double> range = {};                               ///< the part of the ray that counts
+    std::array<std::string_view, 3> weights = {};  ///< the form's names of the barycentric weights, for that primitive
     answer::Outcome outcome = answer::Outcome::agree_miss;
-    std::string_view label = {};  ///< of the metric that is being measured
+    std::string_view label = {};  ///< label of the metric that is being measured
 };
 
-/// What must be computed before a metric can be.
+/// Inputs that must be computed before a metric can be.
 enum Needs : unsigned {
     needs_nothing = 0,
     needs_rounded_truth = 1,
@@ -60,52 +60,52 @@ enum Needs : unsigned {
     needs_self = 4,
     needs_condition = 8,
     needs_attribution = 16,
-    needs_bound = 32,  ///< of a format that is the machine's own
+    needs_bound = 32,  ///< for a format that is the machine's own
     needs_way = 64,
     needs_counterfactuals = 128,
     needs_reach = 256,
     needs_reach_normwise = 512,
-    needs_steps = 1024,   ///< of a form through a space
-    needs_levels = 2048,  ///< of a form behind a box
+    needs_steps = 1024,   ///< for a form with a transform method
+    needs_levels = 2048,  ///< for a form behind a box
     needs_true_ray = 4096,
-    needs_end_margin = 8192,  ///< of a form behind a box
+    needs_end_margin = 8192,  ///< for a form behind a box
     needs_tape = needs_attribution | needs_counterfactuals
 };
 
-/// lost: from 0 to `high`, spaced by roots, so that the first bits show; kept: linear from 0 to `high`; magnitude:
-/// log2|x| from `low` to `high`; categories: a colour each.
+/// Colour ramp of a metric. lost: from 0 to `high`, on a square-root scale, so that the first bits show; kept: linear
+/// from 0 to `high`; magnitude: log2|x| from `low` to `high`; categories: a colour each.
 enum class Ramp { lost, kept, magnitude, categories };
 
-/// The rays on which a metric is measured. `marches`: every ray, whatever its outcome, of the forms that march;
-/// `every`: every ray, whatever its outcome; `blamed`: correct hits, false hits and false misses; `pairs`: every ray,
-/// whatever the truth, of the rows that are held against another form, and by `measure_row` itself.
+/// The rays on which a metric is measured. `marches`: every ray of the forms that march, whatever its outcome. `every`:
+/// every ray, whatever its outcome. `blamed`: correct hits, false hits and false misses. `pairs`: every ray of the rows
+/// that are compared with another form, whatever the truth; `measure_row` itself measures them.
 enum class Over { agreed_hits, marches, every, blamed, pairs };
 
-/// A metric that is measured over columns wherever registers can (measure/columns); `value` answers for the other rays,
-/// with the same bits.
+/// Metrics that are measured over columns where registers can do it (measure/columns). `value` answers for the other
+/// rays, with the same bits.
 enum class InColumns { no, ulp_error, lost_bits, correct_bits, relative_error, absolute_error, residual };
 
 struct Metric {
-    std::string_view name = {};     ///< on the command line and in CSV columns
-    std::string_view unit = {};     ///< of the value; empty where it has none
+    std::string_view name = {};     ///< name on the command line and in CSV columns
+    std::string_view unit = {};     ///< unit of the value; empty where it has none
     std::string_view layer = {};    ///< EXR channel, `layer.channel`
     std::string_view meaning = {};  ///< one line with the formula
     unsigned needs = needs_nothing;
     Ramp ramp = Ramp::lost;
-    /// Of the colour ramp. 0 stands for what fits a format with p significand bits: high is p, or 2^p of a magnitude;
-    /// low of a magnitude is 2^-(p + 6).
+    /// Ends of the colour ramp. 0 stands for a default that depends on the precision p of the format: `high` is p, or
+    /// 2^p for a magnitude; `low` of a magnitude is 2^-(p + 6).
     double low = 0, high = 0;
     bool by_default = false;                   ///< measured and written unless metrics are named
-    double (*value)(const Sample&) = nullptr;  ///< of one ray; NaN where there is none
+    double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN where it does not exist
     Over over = Over::agreed_hits;
-    /// Of a metric that names one: its value is the place in this list.
+    /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
     bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them
     InColumns in_columns = InColumns::no;
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
 };
 
-/// A row of a table; `how` is all but these.
+/// Names of a row of the table; `how` is the rest of its meaning.
 struct MetricNames {
     std::string_view name, unit, layer;
 };
@@ -118,10 +118,10 @@ constexpr Metric tabled(MetricNames names, std::string_view meaning, double (*va
 /// Every metric that needs no label, in the order of layers and columns.
 std::span<const Metric> metrics();
 
-/// The row of that name, or null.
+/// Finds the row of that name; null for an unknown name.
 const Metric* find_metric(std::string_view name);
 
-/// The place of the metric of that name in a list; the list's size where it is not there.
+/// Index of the metric of that name in a list; the list's size where it is not there.
 std::size_t place_of(const std::vector<const Metric*>& metrics, std::string_view name);
 
 }  // namespace lostbits::measure::metric

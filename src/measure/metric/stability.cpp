@@ -75,51 +75,46 @@ constexpr std::string_view cestac_decision_names[] = {"stable_right", "stable_wr
 constexpr std::string_view cestac_digit_names[] = {"kept", "overrated"};
 
 constexpr Metric rows_of_stability[] = {
-    tabled(
-        {"backward_error", "u", "stability.backward"},
-        "the least relative change of every number of the ray and the solid, as the format holds them, for which t is "
-        "exactly the answer, in u = 2^-p: a proved lower bound, to first order the least one",
-        backward_error, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
+    tabled({"backward_error", "u", "stability.backward"},
+           "least relative change of every number of the ray and the primitive, as the format holds them, for which t "
+           "is exactly the answer, in u = 2^-p: a proved lower bound, exact to first order",
+           backward_error, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"backward_error_normwise", "u", "stability.normwise"},
-           "the same of changes of each vector by a part of its length: no component keeps its 0",
+           "backward_error for changes of each vector relative to its length: components that are 0 change too",
            backward_error_normwise, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
-    tabled(
-        {"decision_margin", "u", "stability.margin"},
-        "the least relative change of every number of the ray and the solid, as the format holds them, that turns hit "
-        "or miss or which root is met, in u = 2^-p: a proved lower bound; of the solid that the form hits, or truly is "
-        "hit, or else the ray's own, or the first of several",
-        decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
-    tabled(
-        {"wrong_decision", "", "stability.wrong"},
-        "whether a false hit, a false miss or a wrong solid is proved to be wrong for all problems within u of every "
-        "number (beyond_u), or may be right for one of them (within_u)",
-        wrong_decision, {.ramp = Ramp::categories, .over = Over::every, .categories = wrong_decision_names}),
+    tabled({"decision_margin", "u", "stability.margin"},
+           "least relative change of every number of the ray and the primitive, as the format holds them, that changes "
+           "hit or miss or the root, in u = 2^-p: a proved lower bound; for the primitive that the form hits, else the "
+           "one truly hit, else the ray's own or the first of several",
+           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
+    tabled({"wrong_decision", "", "stability.wrong"},
+           "tells if a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within u of "
+           "every number (beyond_u), or may be right for one of them (within_u)",
+           wrong_decision, {.ramp = Ramp::categories, .over = Over::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
            "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "
            "|mean|/(4.303 s)), from 0 to p (CESTAC)",
            cestac_bits, {.needs = needs_attribution, .ramp = Ramp::kept}),
-    tabled(
-        {"cestac_error", "bits", "prediction.cestac_error"},
-        "cestac_bits less the bits that the mean of the three runs has in common with the form without rounding: above "
-        "0 more is promised than there is",
-        cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
+    tabled({"cestac_error", "bits", "prediction.cestac_error"},
+           "cestac_bits minus the bits that the mean of the three runs shares with the form without rounding: above 0, "
+           "CESTAC predicts more bits than are correct",
+           cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
     tabled(
         {"cestac_digit", "", "prediction.cestac_digit"},
-        "whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of cestac_error are "
-        "of its size, and promises that are too modest are among them",
+        "tells if cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of cestac_error are "
+        "of its magnitude, so they include predictions that are too low",
         cestac_digit,
         {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .categories = cestac_digit_names}),
     tabled({"cestac_decision", "", "prediction.cestac_decision"},
-           "whether three runs with random rounding all hit or all miss (stable), and whether the form's decision is "
-           "right",
+           "tells if three runs with random rounding all hit or all miss (stable), and if the form's decision is right",
            cestac_decision,
            {.needs = needs_attribution,
             .ramp = Ramp::categories,
             .over = Over::blamed,
             .categories = cestac_decision_names}),
     tabled({"statistical_ratio", "1", "prediction.statistical"},
-           "|t - the form without rounding| over the root of the sum of the squares of what each operation can cost: "
-           "rounding errors that were independent would exceed x with probability 2 exp(-x^2/2) at most",
+           "|t - the form without rounding| over the root of the sum of the squares of the largest error of each "
+           "operation: independent rounding errors would exceed x with probability 2 exp(-x^2/2) at most",
            statistical_ratio, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-6, .high = 0x1p+2})};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What the rows of the table measure: functions of a sample, and the lists of rows that belong together.
+// Functions of a sample that the rows of the table measure, and the lists of rows that belong together.
 #pragma once
 
 #include <cmath>
@@ -9,36 +9,36 @@
 
 namespace lostbits::measure::metric {
 
-/// In u = 2^-p.
+/// Converts x to units of u = 2^-p.
 inline double in_roundoffs(double x, const Sample& s) { return std::ldexp(x, s.format->parameters.precision); }
 
-// Of a sample with t and t* (errors_of_t.cpp).
+// Metrics that compare t with t* (errors_of_t.cpp).
 double ulp_error(const Sample& s);
 double lost(const Sample& s);
 double correct(const Sample& s);
 double herbie(const Sample& s);
 double absolute(const Sample& s);
 double relative(const Sample& s);
-/// |t − t*| |d|, to a relative error of 2^-50; of a form that asks for directions of length one d is what it got, and
-/// is of that length to the rounding of the format.
+/// |t − t*| |d|, to a relative error of 2^-50. If the form asks for directions of length one, d is the direction that
+/// it got, whose length is one up to the rounding of the format.
 double distance_error(const Sample& s);
 double input_error(const Sample& s);
 double model_error(const Sample& s);
 double rounding_error(const Sample& s);
 
-// Of the hit point (hit_point.cpp).
-/// (|P − G| − r)/r; of a box the largest of lo − P and P − hi over the axes, in longest sides.
+// Metrics of the hit point (hit_point.cpp).
+/// (|P − G| − r)/r. For a box, the largest of lo − P and P − hi over the axes, in units of the longest side.
 double residual(const Sample& s);
-/// The angle between the normal of the solid at the hit point and at the true one, of a solid under no matrix.
+/// Angle between the normals at the hit point and at the true one, for a primitive without a matrix.
 double normal_error(const Sample& s);
-/// The largest component of P − P*, in (1 + max|P|) u.
+/// Largest component of P − P*, in units of (1 + max|P|) u.
 double point_error(const Sample& s);
-/// The largest relative error of a component of the hit point put back onto its sphere, in u; missing for boxes.
+/// Largest relative error of a component of the hit point after projection onto its sphere, in u; missing for boxes.
 double projected_error(const Sample& s);
-/// By how many u a far plane's t must grow for the slabs of a box that is truly hit to overlap; missing for others.
-/// Behind a box it is that of the box, whatever the solid.
+/// Number of u by which a far plane's t must grow so that the slabs of a box that is truly hit overlap; missing for
+/// other primitives. For a form behind a box it is that of the bounding box, whatever the primitive.
 double padding(const Sample& s);
-/// The same of the slabs of one box, in binary32, whether or not the ray hits it.
+/// Same padding for the slabs of one box, in binary32, whether or not the ray hits it.
 double padding(const Ray<float>& ray, const Hull<float>& box);
 
 std::span<const Metric> metrics_of_t();

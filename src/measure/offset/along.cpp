@@ -36,7 +36,7 @@ Scene moved_along(const Scene& scene, Along a, double k) {
         case Along::distance: {
             auto far = scene::file::farther(std::move(s), scale);
             if (!far)
-                throw InputError("--along distance: the middle of the solids of scene " + scene.id +
+                throw InputError("--along distance: the middle of the primitives of scene " + scene.id +
                                  " lies behind its camera; try another scene");
             return std::move(*far);
         }

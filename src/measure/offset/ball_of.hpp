@@ -1,4 +1,4 @@
-// A ball around a solid as it stands in the world, in doubles: for what needs no proof.
+// Bounding ball of a primitive in the world, in doubles, for uses that need no proof.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace lostbits::measure::offset {
 
-/// As `ball_around`; of a solid under a stored inverse too, whose matrix is adj(A)/det(A).
+/// Like `ball_around`, but also for a primitive under a stored inverse, whose matrix is adj(A)/det(A).
 inline auto ball_of(const Solid<double>& solid) {
     if (!solid.placed || !solid.placed->is_inverse) return ball_around(solid);
     Solid<double> there = solid;

@@ -1,4 +1,5 @@
-// The point where a ray has met a solid, the fixed set of rays that leave it, and where each starts: over any number.
+// The point where a ray has hit a primitive, the fixed set of rays that leave it, and where each starts: over any
+// number.
 #pragma once
 
 #include <array>
@@ -14,39 +15,39 @@
 
 namespace lostbits::measure::offset {
 
-/// The same point in the space of a solid that stands under a matrix, where that is asked.
+/// Same point in object space, for a primitive under a matrix, where it is needed.
 template <class T>
 struct ObjectPoint {
     Ray<T> ray;
-    T t;  ///< of that ray
+    T t;  ///< t of that ray
     Vec<T> p, n;
     Affine<T> to_world, to_object;
 };
 
-/// What a strategy is given: a ray met a solid at t, and a new one leaves in direction w. All is of the world but the
-/// numbers of a solid under a matrix, which has none here.
+/// Input of a strategy: a ray hit a primitive at t, and a new one leaves in direction w. Everything is in world space.
+/// A primitive under a matrix has no numbers there.
 template <class T>
 struct Leaving {
     Ray<T> ray;
     T t;
     Solid<T> solid;
-    std::optional<ObjectPoint<T>> object = {};  ///< of a solid under a matrix
+    std::optional<ObjectPoint<T>> object = {};  ///< for a primitive under a matrix
     Vec<T> p;                                   ///< the point as computed
     Vec<T> n;                                   ///< the outward unit normal as computed
-    Vec<T> w;                                   ///< unit up to rounding
-    T side;                                     ///< sign(n·w): +1 away from the solid, −1 into it
-    T reach;                                    ///< how far away what is aimed at is; infinite where nothing is
+    Vec<T> w;                                   ///< new direction, of unit length up to rounding
+    T side;                                     ///< sign(n·w): +1 away from the primitive, −1 into it
+    T reach;                                    ///< distance to the target; infinite without one
 };
 
-/// What the new ray is: only what it meets at tmin < t < tmax counts.
+/// New ray; only what it meets at tmin < t < tmax counts.
 template <class T>
 struct Respawn {
     Vec<T> origin;
     T tmin, tmax;
-    bool asks_own = true;  ///< also of the solid that it leaves
+    bool asks_own = true;  ///< also tested against the primitive that it leaves
 };
 
-/// Whether the point is taken as it was computed, o + t·d, or put onto the surface first.
+/// Hit point of a strategy: as computed, o + t·d, or projected onto the surface first.
 enum class HitPoint : std::uint8_t { computed, projected };
 
 /// p + k·v, component by component.
@@ -55,7 +56,7 @@ Vec<T> moved(const Vec<T>& p, const T& k, const Vec<T>& v) {
     return Vec<T>(p.x + k * v.x, p.y + k * v.y, p.z + k * v.z);
 }
 
-/// The largest of |p.x|, |p.y|, |p.z|.
+/// Largest of |p.x|, |p.y|, |p.z|.
 template <Number T>
 T largest_of(const Vec<T>& p) {
     return max(max(abs(p.x), abs(p.y)), abs(p.z));
@@ -71,25 +72,25 @@ Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
     return visit(solid, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
-/// Where a ray goes that leaves a solid: by the sign of n·w as the format computes it.
+/// Side to which a ray leaves a primitive: by the sign of n·w as the format computes it.
 enum class Side : std::uint8_t { outside, inside };
 inline constexpr std::array<std::string_view, 2> side_names{"outside", "inside"};
 inline constexpr std::string_view name_of(Side side) { return side_names[static_cast<std::size_t>(side)]; }
 inline constexpr std::array both_sides{Side::outside, Side::inside};
 
-/// A direction in which a ray leaves.
+/// Direction in which a ray leaves.
 template <class T>
 struct Departure {
     Vec<T> w;
     T side, reach;  ///< as in `Leaving`
 };
 
-/// Cosines of the angle to the normal: the first has one direction, each other one four, a right angle apart.
+/// Cosines of the angle to the normal. The first has one direction, each other one has four, a right angle apart.
 inline constexpr std::array cosine_denominators{1, 2, 8, 64, 1024};
-/// 1/η of what a refracted ray goes into from outside: glass of index 3/2.
+/// Ratio 1/η of a refracted ray that goes in from outside: glass of index 3/2.
 inline constexpr std::array glass{2, 3};
 
-/// Adds the ray w of length one, unless it lies in the surface or is no direction.
+/// Adds the ray w of length one, unless it lies in the surface or is not a direction.
 template <Number T>
 void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
     const T cosine = dot(n, w);

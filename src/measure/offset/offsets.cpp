@@ -157,9 +157,10 @@ void seal(OffsetSummary& summary) {
 
 void require_few_solids(const Scene& scene) {
     if (scene.solid_count() <= most_solids) return;
-    throw InputError(fmt::format(
-        "scene {}: has {} solids, and every ray is tried against all of them; {} is the most: try a part of the scene",
-        scene.id, scene.solid_count(), most_solids));
+    throw InputError(
+        fmt::format("scene {} has {} primitives, and every ray is tested against all of them; {} is the most: try a "
+                    "part of the scene",
+                    scene.id, scene.solid_count(), most_solids));
 }
 
 bool can_be_asked(const intersect::table::Intersector& form) {

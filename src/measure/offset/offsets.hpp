@@ -1,5 +1,5 @@
-// Offsets over a picture: at every point where a form meets what the ray truly meets first, the smallest safe offset,
-// and every strategy against it.
+// Offsets over a picture: at every point where a form hits the primitive that the ray truly hits first, the smallest
+// safe offset, and every strategy compared with it.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace lostbits::measure::offset {
 inline constexpr std::array<std::string_view, 2> point_names{"computed", "projected"};
 inline constexpr std::string_view name_of(HitPoint p) { return point_names[static_cast<std::size_t>(p)]; }
 
-/// A respawned ray that shows what is wrong, with everything it takes to ask again.
+/// Respawned ray that shows a fault, with everything needed to reproduce it.
 struct BadRay {
     int x = -1, y = -1;
     int object = -1;
@@ -28,32 +28,32 @@ struct BadRay {
     Solid<double> solid{};
 };
 
-/// One strategy to one side, over all points.
+/// Results of one strategy to one side, over all points.
 struct StrategySummary {
-    std::array<std::uint64_t, fault_names.size()> count{};             ///< of rays
-    std::array<std::optional<BadRay>, fault_names.size()> first = {};  ///< in the order of the pixels
-    std::uint64_t bad = 0;          ///< rays with a fault but `wrong_side`, which alone harms nothing
+    std::array<std::uint64_t, fault_names.size()> count{};             ///< rays with each fault
+    std::array<std::optional<BadRay>, fault_names.size()> first = {};  ///< first such ray in the order of the pixels
+    std::uint64_t bad = 0;          ///< rays with a fault other than `wrong_side`, which alone harms nothing
     metric::Distribution size;      ///< largest |new origin − p| of each point
-    metric::Distribution oversize;  ///< that over the smallest safe offset, where this is finite and not 0
-    std::uint64_t too_small = 0;    ///< points of those with less than the smallest safe offset
+    metric::Distribution oversize;  ///< `size` over the smallest safe offset, where this is finite and not 0
+    std::uint64_t too_small = 0;    ///< points of `oversize` with less than the smallest safe offset
 
     [[nodiscard]] std::uint64_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
     [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const { return first[static_cast<std::size_t>(f)]; }
 };
 
-/// One side of all points of a row.
+/// Results on one side of all points of a row.
 struct SideSummary {
     std::uint64_t rays = 0;
-    std::uint64_t already_safe = 0;  ///< points that need no offset at all
+    std::uint64_t already_safe = 0;  ///< points that need no offset
     std::uint64_t never_safe = 0;    ///< points that no offset along the normal makes safe
-    std::uint64_t never_quiet = 0;   ///< the same where the form's arithmetic counts as well
+    std::uint64_t never_quiet = 0;   ///< points where none makes the form's arithmetic safe as well
     metric::Distribution safe;       ///< smallest safe offset of the points that have one, 0 among them; world units
     metric::Distribution safe_ulps;  ///< the same in ulps of max |p|
     metric::Distribution quiet;      ///< smallest offset that is safe and in which the form finds no self-hit
     std::vector<StrategySummary> strategies;
 };
 
-/// A form in a format, and how its points are taken.
+/// A form in a format, and how its points are made.
 struct OffsetRow {
     evaluate::TestedForm row;
     HitPoint point = HitPoint::computed;
@@ -62,8 +62,8 @@ struct OffsetRow {
 
 struct OffsetSummary {
     std::uint64_t pixels = 0;
-    /// Pixels where the form answers the solid that the ray truly meets first, beyond its origin, and the computed
-    /// point is finite: all that follows is about these.
+    /// Pixels where the form hits the primitive that the ray truly hits first, beyond its origin, and the computed
+    /// point is finite. Everything below is about these.
     std::uint64_t points = 0;
     std::uint64_t unresolved = 0;  ///< pixels whose truth is not proved
     std::array<SideSummary, 2> sides;
@@ -71,13 +71,13 @@ struct OffsetSummary {
     [[nodiscard]] const SideSummary& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
 };
 
-/// What a row is over some scanlines: pixel by pixel, and, where `is_point` of the pixel, its two sides and the
-/// strategies, those to the outside first.
+/// Results of a row over some scanlines, pixel by pixel. Where `is_point` is set for a pixel, they include its two
+/// sides and the strategies, those to the outside first.
 struct OffsetBand {
     int y0 = 0, rows = 0, width = 0;
     std::vector<std::uint8_t> is_point;
     std::vector<std::int32_t> object;  ///< −1 where there is no point
-    std::vector<double> ulp;           ///< of max |p|
+    std::vector<double> ulp;           ///< ulp of max |p|
     std::vector<std::array<SideOfPoint, 2>> sides;
     std::vector<StrategyAtPoint> by_strategy;
     std::size_t strategies = 0;
@@ -89,45 +89,46 @@ struct OffsetBand {
 
 struct OffsetRequest {
     const scene::file::Scene& scene;
-    std::vector<OffsetRow> rows;  ///< of forms of primitives that tell t
+    std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
     bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
+    /// Called after each band of a row with the number of its pixels.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// The forms that points and self-hits are measured by where none is named, one a shape in the order of the shapes, and
-/// their format.
+/// Forms that measure points and self-hits where none is named, one a shape in the order of the shapes, and their
+/// format.
 const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
-/// More solids than these are too many to hold each point against all of them.
+/// Most primitives of a scene: each point is compared with all of them.
 inline constexpr std::size_t most_solids = 1000;
-/// InputError for a scene that this cannot be asked of, which is named.
+/// InputError for a scene with more primitives; the message names it.
 void require_few_solids(const scene::file::Scene& scene);
-/// Whether a form can be asked: of a primitive, and it tells t.
+/// True where offsets of a form can be measured: it is of a primitive and reports t.
 bool can_be_asked(const intersect::table::Intersector& form);
 
-/// One summary a row. `show` gets the bands of each row from top to bottom, one at a time. The results do not depend on
-/// the number of threads.
+/// Measures all rows; one summary a row. `show` gets the bands of each row from top to bottom, one at a time. The
+/// results do not depend on the number of threads.
 std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
                                        const std::function<void(std::size_t row, const OffsetBand& band)>& show = {});
 
-/// A column of the summary after point, side, strategy, form and format; the CSV and the claims read the same rows.
+/// Column of the summary, after point, side, strategy, form and format. The CSV and the claims read the same columns.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
 
-/// A strategy with which no respawned ray goes wrong.
+/// Strategy with which no respawned ray goes wrong.
 struct SafeStrategy {
     const Strategy* strategy;
-    /// What one new ray costs, in operations as the rule is written (`Strategy::operations`): a count, not a time.
+    /// Operations of one new ray as the rule is written (`Strategy::operations`): a count, not a time.
     std::uint64_t operations;
     double oversize;  ///< how many times larger than needed, the median over the sides; NaN where nothing is needed
 };
 
-/// Those of a measured row to all of these sides, the cheapest first; of equally cheap ones in the order of the table.
-/// Safe is `StrategySummary::bad` = 0: no self-hit by truth or by the form, no occluder and no way out lost. Empty
-/// where none is, and where there is no point.
+/// Safe strategies of a measured row to all of these sides, the cheapest first; equally cheap ones in the order of the
+/// table. Safe means `StrategySummary::bad` = 0: no self-hit by truth or by the form, no lost occluder and no lost
+/// exit. Empty where no strategy is safe, and where there is no point.
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides = both_sides);
 

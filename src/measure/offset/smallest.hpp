@@ -1,4 +1,4 @@
-// The smallest number of a format that is enough, found by bisection over its floats.
+// Finds the smallest sufficient number of a format by bisection over its floats.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace lostbits::measure::offset {
 
-/// What an offset comes to.
+/// Verdict on an offset.
 enum class Enough : std::int8_t { too_little, enough, too_much };
 
-/// A number e ≥ 0 of the format with judge(e) = enough, whose neighbour below is too little; 0 where that is enough;
-/// infinity where none up to `most` is. From `start` on e is doubled until it is not too little; then the floats in
-/// between are bisected. Where `judge` is monotone it is the smallest; where it is not (a step of one component can
-/// turn a grazing ray back), it is one of those places where too little ends.
+/// Finds a number e ≥ 0 of the format with judge(e) = enough whose lower neighbour is too little; 0 where that is
+/// enough; infinity where nothing up to `most` is. From `start` on, e is doubled until it is not too little; then the
+/// floats in between are bisected. Where `judge` is monotone, the result is the smallest. Where it is not (a step of
+/// one component can turn a grazing ray back), it is one of the places where "too little" ends.
 template <class Judge>
 double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
     if (judge(0.0) == Enough::enough) return 0;

@@ -234,8 +234,8 @@ constexpr Strategy strategy_rows[] = {
     row<BoundInObject>("offset.bound_object", "the same before a matrix takes p to the world; without one the same",
                        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
                        "of the shape"),
-    row<Exclude>("offset.exclude", "p, and the solid that is left is not asked", "common practice for convex solids",
-                 true),
+    row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
+                 "common practice for convex solids", true),
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The table of strategies: each is one function and one row of strategy.cpp.
+// Table of strategies: each is one function and one row of strategy.cpp.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace lostbits::measure::offset {
 
 struct Strategy {
     std::string_view name;    ///< `offset.integer`
-    std::string_view title;   ///< the new origin, in a line
-    std::string_view source;  ///< where it is published
-    bool keeps_point;         ///< the new origin is p itself: what is asked of the ray is the rule
+    std::string_view title;   ///< the new origin, in one line
+    std::string_view source;  ///< publication of the rule
+    bool keeps_point;         ///< the new origin is p itself: the rule only limits what the ray is tested against
     Respawn<float> (*in_float)(const Leaving<float>&);
     Respawn<double> (*in_double)(const Leaving<double>&);
     Respawn<RoundedAny> (*in_any)(const Leaving<RoundedAny>&);
@@ -29,14 +29,14 @@ struct Strategy {
         else if constexpr (std::is_same_v<T, double>) return in_double(l);
         else return in_any(l);
     }
-    /// Operations that one new ray costs, as the rule is written: additions, products, quotients, roots, comparisons,
-    /// choices, conversions and moves of bits, each counted once.
+    /// Counts the operations of one new ray, as the rule is written: additions, products, quotients, roots,
+    /// comparisons, choices, conversions and moves of bits, each counted once.
     [[nodiscard]] std::uint64_t operations(Shape shape) const;
 };
 
-/// In the order of every table.
+/// Rows of the table, in the order of every table.
 std::span<const Strategy> strategies();
-/// The same, one by one.
+/// Same rows, as a vector of pointers.
 std::vector<const Strategy*> all_strategies();
 
 }  // namespace lostbits::measure::offset

@@ -1,4 +1,4 @@
-// What stands between points and the light, by a form's own decision.
+// Finds what stands between points and the light, by a form's own decision.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace lostbits::measure::picture {
 
-/// Shadow rays in one format, as many as points; `reach[i]` is the light's t on ray i (1 where the direction is the
-/// whole way to the light, the distance where it was normalised), `own[i]` the sphere that ray i leaves (−1: none).
+/// Shadow rays in one format, one a point. `reach[i]` is the light's t on ray i (1 where the direction is the whole way
+/// to the light, the distance where it was normalised). `own[i]` is the sphere that ray i leaves (−1: none).
 struct ShadowRays {
     scene::rays::RayBlock rays;
     std::vector<double> reach;
@@ -18,12 +18,12 @@ struct ShadowRays {
     void add(const Vec<double>& origin, const Vec<double>& direction, double light_t, std::int32_t leaves);
 };
 
-/// Bits of what `find_blockers` found of a ray.
+/// Bits of the result of `find_blockers` for a ray.
 enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, blocked_by_own = 2 };
 
-/// One of the solids of `among`, which are those of a format, blocks a ray where the form decides on a hit at 0 < t <
-/// reach. A hit at NaN blocks nothing: every comparison with it is false. `own_counts`: whether a ray is also tested
-/// against the sphere that it leaves.
+/// Finds which rays are blocked. A primitive of `among` (in numbers of the format) blocks a ray where the form decides
+/// on a hit at 0 < t < reach. A hit at NaN blocks nothing: every comparison with it is false. With `own_counts`, a ray
+/// is also tested against the sphere that it leaves.
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
                                         const ShadowRays& shadow, const truth::FormatInputs& among, bool own_counts);
 

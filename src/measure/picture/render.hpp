@@ -1,4 +1,4 @@
-// A rendered picture: every stage in every format by a form's own hits and shadows, against the certified picture.
+// Rendered picture: every stage in every format by a form's own hits and shadows, compared with the certified picture.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace lostbits::measure::picture {
 
-/// What a pixel shows, form against truth.
+/// Content of a pixel, form compared with truth.
 enum class Seen : std::uint8_t {
     same_sphere,
     background,
@@ -28,9 +28,9 @@ enum class Seen : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> seen_names{
     "same_sphere", "background", "other_sphere", "lost_sphere", "extra_sphere", "not_a_number", "unresolved"};
 
-/// The form's decision on shadow against the truth's. Compared where both see the background, or the same sphere at a
-/// point that truly faces the light: a point that faces away gets no light either way. `own_shadow` is a false shadow
-/// that the point's own sphere alone casts: acne.
+/// Shadow decision of the form, compared with the truth's. It is compared where both see the background, or the same
+/// sphere at a point that truly faces the light: a point that faces away gets no light either way. `own_shadow` is a
+/// false shadow that the point's own sphere alone casts: acne.
 enum class Shadow : std::uint8_t {
     not_compared,
     both_lit,
@@ -46,10 +46,10 @@ inline constexpr std::array<std::string_view, 7> shadow_names{
 struct Painted {
     Vec<double> colour{0, 0, 0};  ///< numbers of the format, not clamped; NaN where the form's t is
     std::array<std::uint8_t, 3> byte{};
-    double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN where either is none
+    double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN where either does not exist
 };
 
-/// 255c rounded half up (once) and clamped to 0…255; a NaN gives 0 and is drawn as what it is.
+/// Rounds 255c half up (once) and clamps it to 0…255. A NaN gives 0 and is drawn as a NaN.
 std::uint8_t byte_of(double channel);
 
 /// One form in one format over some scanlines.
@@ -58,25 +58,27 @@ struct RenderBand {
     const answer::Answers* answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
-    std::vector<Shadow> shadow;        ///< empty where no stage casts shadows
-    std::vector<double> normal_angle;  ///< between the computed and the true normal, radians; NaN but on `same_sphere`
-    std::vector<double> residual;      ///< the metric of that name; NaN but on `same_sphere`
-    std::vector<std::vector<Painted>> painted;  ///< a picture a stage, in the order of the request
+    std::vector<Shadow> shadow;  ///< empty where no stage casts shadows
+    std::vector<double>
+        normal_angle;              ///< between the computed and the true normal, radians; NaN except on `same_sphere`
+    std::vector<double> residual;  ///< the metric of that name; NaN except on `same_sphere`
+    std::vector<std::vector<Painted>> painted;  ///< one picture a stage, in the order of the request
     std::vector<std::int32_t> truth_object;     ///< −1: background
 };
 
-/// What is known of one stage of one row when the whole picture has been seen.
+/// Totals of one stage of one row over the whole picture.
 struct RenderSummary {
     scene::file::Stage stage = scene::file::Stage::visible;
     ShadeRule rule;
     std::uint64_t pixels = 0;
     std::array<std::uint64_t, seen_names.size()> seen{};
-    /// By what is compared: 0 points on spheres, 1 the background.
+    /// Counts by what is compared: index 0 is points on spheres, 1 the background.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
-    std::uint64_t faces_away = 0;            ///< same sphere, truly seen from the unlit side
-    std::uint64_t true_shadow = 0;           ///< points on spheres that face the light and are truly in shadow
-    std::uint64_t light_in_true_shadow = 0;  ///< those of them that the true picture gives diffuse light all the same
-    std::uint64_t changed = 0;               ///< pixels with a byte that is not the true one
+    std::uint64_t faces_away = 0;   ///< same sphere, truly seen from the unlit side
+    std::uint64_t true_shadow = 0;  ///< points on spheres that face the light and are truly in shadow
+    std::uint64_t light_in_true_shadow =
+        0;                      ///< those of `true_shadow` that the true picture gives diffuse light anyway
+    std::uint64_t changed = 0;  ///< pixels with a byte that differs from the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
@@ -84,33 +86,35 @@ struct RenderSummary {
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
         return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
     }
-    /// Pixels that show another sphere than the true one, none where there is one, one where there is none, or NaN.
+    /// Pixels that show another sphere than the true one, no sphere where there is one, a sphere where there is none,
+    /// or NaN.
     [[nodiscard]] std::uint64_t seen_wrong() const;
-    /// Shadow decisions that are not the truth's, its own sphere's shadows apart.
+    /// Shadow decisions that differ from the truth's, without the shadows of the point's own sphere.
     [[nodiscard]] std::uint64_t flips() const;
-    /// Pixels of which something is not proved: what is seen, the shadow, or the colour.
+    /// Pixels where what is seen, the shadow or the colour is not proved.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
 
-/// Adds a band to the summary of one stage, the `place`-th of the request, pixel by pixel from the top. `look` holds
-/// the scene's paint as binary64 is given it.
+/// Adds a band to the summary of one stage, pixel by pixel from the top. `place` is the stage's index in the request.
+/// `look` holds the scene's paint as binary64 is given it.
 void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look,
                     RenderSummary& summary);
 
-/// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
+/// Column of the summary, after stage, form and format. The CSV and the claims read the same columns.
 using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
 
 struct RenderRequest {
-    const scene::file::Scene& scene;         ///< of spheres
+    const scene::file::Scene& scene;         ///< a scene of spheres
     std::vector<scene::file::Stage> stages;  ///< in rising order, none beyond what the scene asks for
     std::vector<evaluate::TestedForm> rows;
     PictureLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `EvaluationRequest::progress`
 };
 
-/// A summary per row and stage: those of a row's stages side by side. `show` gets the bands of each row from top to
-/// bottom; different rows at the same time. The results do not depend on the number of threads.
+/// Renders all rows; one summary per row and stage, with the stages of a row side by side. `show` gets the bands of
+/// each row from top to bottom, those of different rows at the same time. The results do not depend on the number of
+/// threads.
 std::vector<RenderSummary> run_render(const RenderRequest& request,
                                       const std::function<void(std::size_t row, const RenderBand& band)>& show = {});
 

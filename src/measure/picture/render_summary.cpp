@@ -115,8 +115,8 @@ constexpr RenderColumn table[] = {
     {"background_false_light", "", "background_shadowed that the form lights", true,
      shadows<true, Shadow::false_light>},
     {"light_in_shadow_fraction", "1",
-     "share of the certified picture's points that face the light, are in shadow, and get diffuse light all the same",
-     false, [](const R& r) { return r.rule.shadows ? fraction(r.light_in_true_shadow, r.true_shadow) : missing; }},
+     "share of the certified picture's points that face the light, are in shadow, and get diffuse light anyway", false,
+     [](const R& r) { return r.rule.shadows ? fraction(r.light_in_true_shadow, r.true_shadow) : missing; }},
 };
 
 }  // namespace

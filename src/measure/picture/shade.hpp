@@ -1,27 +1,27 @@
-// The shading of the course notes Ray-Casting Formulas, written once over any number: what the machine paints, and what
-// is certainly right.
+// The shading of the course notes Ray-Casting Formulas, written once over any number: for the picture of the machine
+// and for the certified one.
 #pragma once
 
 #include "scene/file/appearance.hpp"
 
 namespace lostbits::measure::picture {
 
-/// A sphere's paint as numbers of T.
+/// Paint of a sphere, as numbers of T.
 template <class T>
 struct Paint {
     Vec<T> colour;
     T ambient, diffuse, specular;  ///< ka, kd, ks
     int exponent = 1;              ///< n
-    bool shiny = false;            ///< ks > 0: gets a highlight
+    bool shiny = false;            ///< ks > 0: the sphere gets a highlight
 };
 
-/// What is added to the bare colour.
+/// Terms that are added to the bare colour.
 struct ShadeRule {
     bool diffuse = false, shadows = false, phong = false;
     bool half_diffuse = false;  ///< in shadow half of the diffuse light stays
 };
 
-/// What a scene asks for, up to a stage.
+/// Rule that a scene asks for, up to a stage.
 inline ShadeRule shade_rule(const scene::file::Appearance& look, scene::file::Stage stage) {
     using scene::file::Stage;
     const auto wanted = [&](Stage s) { return s <= stage && look.asks_for(s); };
@@ -36,14 +36,14 @@ Vec<T> point_at(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// `act` on a solid that pictures are made of, without its matrix.
+/// Calls `act` on a primitive that pictures are made of, without its matrix.
 template <class T, class Act>
 auto on_rendered(const Solid<T>& solid, const Act& act) {
     return Solids::of_shape<scene::file::rendered_shape>(
         [&]<template <class> class S>() { return act(solid.template as<S>()); });
 }
 
-/// The normal that pictures shade with, of a point of that.
+/// Normal that pictures shade with, at a point of such a primitive.
 template <Number T>
 Vec<T> normal_at(const Vec<T>& p, const Solid<T>& solid) {
     return on_rendered(solid, [&p](const auto& shape) { return shape.shading_normal(p); });
@@ -62,8 +62,8 @@ T whole_power(const T& x, int n) {
     return power;
 }
 
-/// The start of a shadow ray that is also tested against its own sphere: the point moved along the normal by `epsilon`,
-/// or by `ulps` units in the last place of its largest coordinate (none for numbers that stand for exact arithmetic).
+/// Start of a shadow ray that is also tested against its own sphere: the point moved along the normal by `epsilon`, or
+/// by `ulps` units in the last place of its largest coordinate (not moved for numbers that are exact).
 template <Number T>
 Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon,
                      int ulps) {
@@ -77,7 +77,7 @@ Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::
     return Vec<T>(p.x + away * n.x, p.y + away * n.y, p.z + away * n.z);
 }
 
-/// At a point of a surface: its unit normal, and the unit vectors to the light and to the eye.
+/// Vectors at a point of a surface: its unit normal, and the unit vectors to the light and to the eye.
 template <Number T>
 struct DirectionsAt {
     Vec<T> normal, to_light, to_eye;

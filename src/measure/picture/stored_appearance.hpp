@@ -1,4 +1,4 @@
-// A scene's light and paint as stored numbers, rounded as its geometry is.
+// Light and paint of a scene as stored numbers, rounded as its geometry is.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ namespace lostbits::measure::picture {
 template <class S>
 struct StoredAppearance {
     Vec<S> background{S(0), S(0), S(0)};
-    Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has none
+    Vec<S> light{S(0), S(0), S(0)};  ///< meaningless where the scene has no light
     S shadow_on_background{S(1)};    ///< factor
     S epsilon{S(0)};
     std::vector<Paint<S>> paints;  ///< one per sphere
@@ -32,7 +32,7 @@ auto lifted(const Paint<S>& p, Lift lift) {
     return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.shiny};
 }
 
-/// Each number through `lift`. Whether a sphere is shiny stays: a ks that a format rounds to 0 adds nothing by itself.
+/// Converts each number by `lift`. A shiny sphere stays shiny: a ks that a format rounds to 0 adds nothing by itself.
 template <class S, class Lift>
 auto lifted(const StoredAppearance<S>& look, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
@@ -45,17 +45,17 @@ auto lifted(const StoredAppearance<S>& look, Lift lift) {
     return to;
 }
 
-/// The ideal numbers.
+/// Light and paint in ideal numbers.
 StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
-/// The same, each rounded once to binary32: what every format shares.
+/// Light and paint with each number rounded once to binary32: the inputs that all formats share.
 StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
-/// What a form in format F is given, as `scene::rays::input_rays`.
+/// Light and paint as a form in format F is given them, like `scene::rays::input_rays`.
 StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& f);
 
-/// The points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there: S as above.
+/// Points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there; S as above.
 template <class S>
 std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
-/// The same as a form in format F is given them.
+/// Same points as a form in format F is given them.
 std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& f);
 
 }  // namespace lostbits::measure::picture

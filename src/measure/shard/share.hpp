@@ -1,11 +1,11 @@
-// Which units of a run's work are measured: all of them, or those of one of its shards.
+// Units of a run's work that are measured: all of them, or those of one of its shards.
 #pragma once
 
 #include <cstdint>
 
 namespace lostbits::measure::shard {
 
-/// Consecutive units [first, last) of a run's work: bands of a picture, blocks of floats, steps, rows.
+/// Consecutive units [first, last) of a run's work: bands of a picture, blocks of floats, steps, or rows.
 struct Units {
     std::uint64_t first = 0, last = 0;
 
@@ -13,16 +13,16 @@ struct Units {
     [[nodiscard]] bool holds(std::uint64_t unit) const { return first <= unit && unit < last; }
 };
 
-/// Shard `number` (from 1) of `of`; of 1 it is the whole run.
+/// Shard `number` (from 1) of `of`; with `of` = 1 it is the whole run.
 struct Share {
     static constexpr std::uint64_t most = 1'000'000;  ///< so that no product below overflows with 2^44 units
 
     std::uint64_t number = 1, of = 1;
 
     [[nodiscard]] bool is_whole() const { return of == 1; }
-    /// ⌊units·(number − 1)/of⌋ to ⌊units·number/of⌋: the shards of a run lie one behind another, none shares a unit
-    /// with another, together they have all, and no two differ by more than one. Where there are fewer units than
-    /// shards, some are empty.
+    /// Units ⌊units·(number − 1)/of⌋ to ⌊units·number/of⌋. The shards of a run follow one another, share no unit, and
+    /// together have all units; their sizes differ by at most one. Where there are fewer units than shards, some shards
+    /// are empty.
     [[nodiscard]] Units of_units(std::uint64_t units) const { return {units * (number - 1) / of, units * number / of}; }
     friend bool operator==(const Share&, const Share&) = default;
 };

@@ -11,29 +11,29 @@
 
 namespace lostbits::measure::speed {
 
-/// The scene in at most so many pixels, its proportions kept.
+/// Scene with at most `pixels` pixels and the same proportions.
 scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
 
-/// About two thousand rays of a scene, taken evenly over its picture, against the solids that most of them truly hit:
-/// at most four, and the first ones of the scene where nothing is hit.
+/// About two thousand rays of a scene, taken evenly over its picture, against the primitives that most of them truly
+/// hit. There are at most four primitives; where nothing is hit, they are the first ones of the scene.
 class SceneWork {
 public:
     explicit SceneWork(const scene::file::Scene& scene, truth::TruthLimit limit = {});
-    /// The same of rays that are given, all of them. Where each ray has its own solid, those with the same numbers are
-    /// one.
+    /// Uses all rays of a given sample. Where each ray has its own primitive, those with the same numbers are merged.
     explicit SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit = {});
     SceneWork(const SceneWork&) = delete;
     SceneWork& operator=(const SceneWork&) = delete;
 
     [[nodiscard]] std::size_t rays() const { return rays_; }
     [[nodiscard]] std::size_t solids() const { return solids_.size(); }
-    /// Bytes of rays and of answers.
+    /// Bytes of the rays and of the answers.
     [[nodiscard]] std::size_t bytes(const Format& format) const;
-    /// The share of the rays that truly hit anything.
+    /// Share of the rays that truly hit anything.
     [[nodiscard]] double hit_rate() const { return hit_rate_; }
 
-    /// Every ray against every one of the solids, by the row's kernel: an item is a ray and a solid. The format is f32
-    /// or f64. Work of one format shares its arrays and runs one at a time; they live as long as any work on them.
+    /// Times every ray against every primitive, by the row's kernel: an item is one ray and one primitive. The format
+    /// is f32 or f64. Work of one format shares its arrays and runs one at a time; the arrays live as long as any work
+    /// on them.
     TimedWork on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels);
 
 private:

@@ -1,5 +1,5 @@
-// Rays and boxes in memory that kernels are timed on, one ray against many boxes or many rays against one solid; and
-// the sets of rays on which accuracy is measured.
+// Rays and boxes in memory that kernels are timed on: one ray against many boxes, or many rays against one primitive.
+// Also the sets of rays on which accuracy is measured.
 #pragma once
 
 #include <array>
@@ -20,24 +20,24 @@ namespace lostbits::measure::speed {
 
 using scene::rays::RaySet;
 
-/// The sets of a shape, the easy one first. Seeded: always the same rays.
+/// Ray sets of a shape, the easy one first. The seeds are fixed: the rays are always the same.
 std::span<const RaySet> ray_sets(Shape shape);
 
-/// One solid, and rays that hit it and rays that miss it, all of the easy kind, directions of unit length to binary32,
-/// so that every form can be given them.
+/// One primitive, with rays that hit it and rays that miss it. All are of the easy kind, and their directions have unit
+/// length in binary32, so that every form accepts them.
 struct RayPool {
     Solid<double> solid;
     std::vector<Ray<double>> hits, misses;
 };
 RayPool ray_pool(Shape shape);
 
-/// Rays of a pool and room for their answers, as many as fit into so many bytes, in one block of memory. Columns start
-/// at cache lines, each at another place of its page, so that reads and writes do not collide there.
+/// Rays of a pool and a buffer for their answers, as many as fit into `bytes` bytes, in one block of memory. Columns
+/// start at cache lines, each at another offset in its page, so that reads and writes do not collide there.
 template <class S>
 class RayStore {
 public:
-    /// The share of hits is exact to one ray; hits and misses are shuffled. `slice` rays are given to a kernel at once,
-    /// all of them if zero.
+    /// The share of hits is exact to one ray; hits and misses are shuffled. A kernel gets `slice` rays at once; 0 means
+    /// all of them.
     RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed);
     RayStore(const RayStore&) = delete;
     RayStore& operator=(const RayStore&) = delete;
@@ -46,7 +46,7 @@ public:
     [[nodiscard]] std::size_t slice() const { return slice_; }
     [[nodiscard]] std::size_t bytes() const { return rays_ * bytes_per_ray; }
 
-    /// The kernel on the next slice, round and round.
+    /// Runs the kernel on the next slice, round and round.
     template <class Kernel>
     void run(const Kernel& kernel) {
         const auto in = [this](std::size_t c) { return std::span<const S>(columns_[c] + at_, slice_); };
@@ -56,11 +56,11 @@ public:
         at_ += slice_;
         if (at_ + slice_ > rays_) at_ = 0;
     }
-    /// The share of hits that the last pass over everything found.
+    /// Share of hits that the last pass over everything found.
     [[nodiscard]] double found() const;
 
 private:
-    static constexpr std::size_t numbers = 9;  ///< a ray: origin, direction; t, near, far
+    static constexpr std::size_t numbers = 9;  ///< of one ray: origin, direction; t, near, far
     static constexpr std::size_t bytes_per_ray = numbers * sizeof(S) + 1;
     static constexpr std::size_t whole = 64;  ///< rays: a multiple of what any register holds
 
@@ -76,13 +76,13 @@ private:
 extern template class RayStore<float>;
 extern template class RayStore<double>;
 
-/// Boxes scattered about a ray's way, a column per number, and the t of each: infinite at first, where the ray enters
-/// once it was hit. Columns start at cache lines, each at another place of its page, so that reads and writes do not
-/// collide there.
+/// Boxes scattered along a ray, a column per number, and the t of each box: infinite at first; once the box was hit,
+/// the t where the ray enters. Columns start at cache lines, each at another offset in its page, so that reads and
+/// writes do not collide there.
 template <class S>
 class BoxField {
 public:
-    /// As many as fit into so many bytes, and a multiple of 64.
+    /// Makes as many boxes as fit into `bytes` bytes, rounded to a multiple of 64.
     explicit BoxField(std::size_t bytes);
     BoxField(const BoxField&) = delete;
     BoxField& operator=(const BoxField&) = delete;
@@ -104,17 +104,17 @@ private:
 extern template class BoxField<float>;
 extern template class BoxField<double>;
 
-/// `l1`, `l2`, `memory`: half of the first cache, half of the second, twice the last (between 64 MiB and 1 GiB). Zero
-/// for another name.
+/// Size of a working set. `l1` is half of the first cache, `l2` half of the second, `memory` twice the last (between 64
+/// MiB and 1 GiB). Zero for another name.
 std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 
-/// A form in a kernel: `scalar`, `128`, `256`, `512` are those of `Isa`; `plain-256` and `plain-structs-256` the loops
-/// of `PlainRow`, for one ray against many boxes in float alone.
+/// A form in a kernel. `scalar`, `128`, `256`, `512` are those of `Isa`. `plain-256` and `plain-structs-256` are the
+/// loops of `PlainRow`, which exist only for one ray against many boxes in float.
 struct TimedKernel {
     std::string_view form, kernel, format;
 };
 
-/// A thing that is made when it is first asked for.
+/// Object that is made at its first use.
 template <class T>
 class Lazy {
 public:
@@ -128,13 +128,13 @@ private:
     std::shared_ptr<T> made_;
 };
 
-/// One ray against as many boxes as fit into so many bytes. All kernels of a format work on the same boxes, one at a
-/// time; the boxes live as long as any work on them.
+/// One ray against as many boxes as fit into a number of bytes. All kernels of a format work on the same boxes, one at
+/// a time; the boxes live as long as any work on them.
 class BoxWork {
 public:
     explicit BoxWork(std::size_t bytes) : bytes_(bytes) {}
 
-    /// Nothing where there is no such kernel, in this build or on this processor.
+    /// Work of a kernel; nothing where this build or this processor does not have it.
     std::optional<TimedWork> on(const TimedKernel& kernel);
     const std::shared_ptr<BoxField<float>>& f32() { return f32_(bytes_); }
     const std::shared_ptr<BoxField<double>>& f64() { return f64_(bytes_); }
@@ -148,7 +148,7 @@ private:
     Lazy<std::vector<intersect::simd::PlainBox>> structs_;
 };
 
-/// Many rays against the one solid of `ray_pool`, half of them hitting it; otherwise the same.
+/// Many rays against the one primitive of `ray_pool`, half of them hitting it; otherwise like `BoxWork`.
 class RayWork {
 public:
     explicit RayWork(std::size_t bytes) : bytes_(bytes) {}
@@ -170,7 +170,7 @@ private:
     Stores<double> f64_;
 };
 
-/// Whether a pass that is not timed brings so many bytes back to where they were.
+/// True where an untimed pass brings so many bytes back into the cache level where they were.
 bool stay_in_cache(std::size_t bytes);
 
 }  // namespace lostbits::measure::speed

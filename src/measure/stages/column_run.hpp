@@ -1,4 +1,4 @@
-// Programs of columns, run: rays in blocks, of which each instruction is done for all before the next.
+// Runs programs of columns: rays in blocks; each instruction is done for a whole block before the next.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace lostbits::measure::stages {
 
-/// A program with a room for its columns. What is the same for every ray (constants, columns of one number, and what
-/// comes of them alone) is computed once a batch; the rest shares columns as soon as they are no longer wanted.
+/// A program with a buffer for its columns. Everything that is the same for every ray (constants, columns of one
+/// number, and results of these alone) is computed once a batch; the other columns are reused as soon as they are no
+/// longer needed.
 class ColumnRun {
 public:
     /// `same`: bit k is set where input k is one number for all rays.

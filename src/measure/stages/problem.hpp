@@ -1,4 +1,4 @@
-// What a stage says of a problem, or of a pack of them.
+// Findings of a stage on one problem, or on a pack of problems.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P
     return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
 }
 
-/// How closely a stage of one word and one of two know t*: of itself. The latter as `truth::certified_tightness`.
+/// Relative error bound of t* in a stage of one word, and of two. The latter is `truth::certified_tightness`.
 inline constexpr double narrow_tightness = 0x1p-33, wide_tightness = 0x1p-72;
 
 /// Where the inputs are numbers of 256 bits each has two words, and lies within this much of itself of their sum; all
@@ -37,7 +37,7 @@ struct Enclosure {
     P bound;
 };
 
-/// What a stage says: nothing unless `settled`. The lengths of a hit, as far as they are wanted, lie in one binade.
+/// Findings of a stage: valid only where `settled`. The lengths of a hit that are asked for lie in one binade.
 template <class P>
 struct Finding {
     mask_t<P> settled, hit;
@@ -62,13 +62,13 @@ P sum_of_sizes(const P& x, const P& y, const P& z) {
     return sum_of_three<P>(abs(x), abs(y), abs(z));
 }
 
-/// Whether no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of what is enclosed is known.
+/// True where no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of the enclosed number is known.
 template <class P>
 mask_t<P> in_one_binade(const P& x, const P& bound) {
     const P low = binade(x - bound), high = binade(x + bound);
     return low <= high && low >= high;
 }
-/// The same for two words, of which hi alone can be a power of two or next to one.
+/// Same test for two words, of which only hi can be a power of two or next to one.
 template <class P>
 mask_t<P> in_one_binade(const TwoWords<P>& x, const P& bound) {
     using lostbits::abs;
@@ -76,7 +76,7 @@ mask_t<P> in_one_binade(const TwoWords<P>& x, const P& bound) {
     return power < abs(x.hi) || abs(x.lo) > bound;
 }
 
-/// The float nearest to x.
+/// Float nearest to x.
 template <class Width>
 Pack<double, Width> nearest_binary32(const Pack<double, Width>& x) {
     using P = Pack<double, Width>;

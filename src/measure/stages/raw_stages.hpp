@@ -1,4 +1,4 @@
-// What stages.cpp and the objects of the register widths say to each other: plain pointers.
+// Interface between stages.cpp and the objects of the register widths: plain pointers.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@
 
 namespace lostbits::measure::stages {
 
-/// A column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
+/// Column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
 template <class S>
 struct RawColumn {
     const S* from;
     std::size_t step;
 };
 
-/// Where a length goes; nowhere where it is not asked for.
+/// Destination of a length; null where it is not asked for.
 struct RawLength {
     double *hi = nullptr, *lo = nullptr, *bound = nullptr;
 };
 
-/// Where findings go, one of each for a problem.
+/// Destinations of the findings, one of each for a problem.
 struct RawFindings {
     std::uint8_t *settled, *hit;  ///< 0 or 1
     RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least

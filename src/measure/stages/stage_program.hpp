@@ -1,4 +1,4 @@
-// A shape's stage as a program: its span and where a ray meets it first, recorded once for what a batch has in common.
+// Program of a shape's stage: its span and where a ray first meets it, recorded once for what a batch has in common.
 #pragma once
 
 #include <compare>
@@ -9,15 +9,15 @@
 
 namespace lostbits::measure::stages {
 
-/// The columns of a batch as inputs of a program: which number of `RawProblems` each is.
+/// Columns of a batch as inputs of a program: the index of each among the numbers of `RawProblems`.
 inline constexpr std::size_t input_of_ray = 0, input_of_solid = 6, input_of_ray_low = input_of_solid + most_stored,
                              input_of_solid_low = input_of_ray_low + 6,
                              input_of_tmin = input_of_solid_low + most_stored, input_of_tmax = input_of_tmin + 1,
                              stage_inputs = input_of_tmax + 1;
-/// The outputs: two decisions, then t* and t* |d|, two words and a bound each; of a length that is not asked for 0.
+/// Outputs: two decisions, then t* and t* |d|, two words and a bound each; 0 for a length that is not asked for.
 inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, output_distance = 5;
 
-/// What all problems of a batch have in common, as far as their program depends on it.
+/// Properties that all problems of a batch have in common, as far as their program depends on them.
 struct StageTerms {
     Shape shape;
     int words;       ///< of the arithmetic: 1 or 2

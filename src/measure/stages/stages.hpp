@@ -1,4 +1,4 @@
-// The stages that prove the answers of many rays at once, at the width of the machine's registers.
+// Stages that prove the answers of many rays at once, at the width of the machine's registers.
 #pragma once
 
 #include "intersect/simd/packed.hpp"
@@ -23,18 +23,18 @@ struct ShapeStage {
 extern template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
 extern template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
-/// The stages of one shape at `isa`, and how many problems they take at a time. What they say is the same to the bit
-/// at every width.
+/// Stages of one shape at `isa`, and the number of problems that they take at a time. Their findings are the same to
+/// the bit at every width.
 struct Stages {
     ShapeStage<float> binary64;        ///< binary32 inputs
     ShapeStage<double> double_double;  ///< one word a number, or two
-    /// Also of rays that touch: one word a number, no matrix and no range.
+    /// Settles also rays that touch: one word a number, no matrix and no range.
     ShapeStage<double> ties;
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape
     std::size_t lanes;
 };
 
-/// At an instruction set that is available. Of single numbers there are none: the narrowest packs stand for them.
+/// Stages at an available instruction set. Single numbers have no stages: the narrowest packs are used for them.
 Stages stages_of(Shape shape, intersect::simd::Isa isa);
 
 }  // namespace lostbits::measure::stages

@@ -1,5 +1,5 @@
-// An exhaustive sweep: every form on every ray at every float of an axis, binade by binade, in memory that does not
-// grow with the axis.
+// Exhaustive sweep: every form on every ray at every float of an axis, binade by binade, in memory that does not grow
+// with the axis.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@
 
 namespace lostbits::measure::sweep {
 
-/// What first happens along an axis: an outcome, or an error of so many bits.
+/// Event whose first float along an axis is recorded: an outcome, or a number of lost bits.
 struct FirstEvent {
-    answer::Outcome outcome;  ///< of a wrong decision
-    int lost_bits = 0;        ///< 0: the outcome; otherwise so many bits are lost, and the outcome is `agree_hit`
+    answer::Outcome outcome;  ///< a wrong decision, or `agree_hit`
+    int lost_bits = 0;        ///< 0: the event is the outcome; else a loss of this many bits, with `agree_hit`
 };
 inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::false_miss},
                                                           {answer::Outcome::false_hit},
@@ -33,12 +33,13 @@ inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::fals
                                                           {answer::Outcome::crack},
                                                           {answer::Outcome::double_hit},
                                                           {answer::Outcome::out_of_order}}};
-/// Whether it can happen where a ray has one solid to hit.
+/// True for an event that can happen where a ray has only one primitive to hit.
 inline constexpr bool is_of_one_solid(const FirstEvent& event) {
     return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_solid;
 }
 
-/// A form on one ray over floats in their order. Floats are named by their place among all (scene/sweep/float_order).
+/// Counts of a form on one ray over floats in their order. A float is named by its index among all floats
+/// (scene/sweep/float_order).
 struct FloatTally {
     struct Worst {
         std::uint32_t place;
@@ -51,7 +52,7 @@ struct FloatTally {
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
-    /// A hit that is missed, and how much more tmax would have to be, in u.
+    /// A missed hit, and how much larger tmax would have to be, in u.
     struct Padding {
         std::uint32_t place;
         double u;
@@ -59,30 +60,30 @@ struct FloatTally {
     };
 
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
+    /// Among the floats where both hit, the first whose error is the largest in size; see `try_floats`.
     std::optional<Worst> worst;
-    /// No float's error is larger in size; −1 where none is a hit for both.
+    /// Upper bound of the size of every float's error; −1 where both hit at no float.
     double at_most = -1;
     std::optional<Wrong> first_wrong, last_wrong;
-    /// The place where each of `first_events` first happens.
+    /// Index of the float where each of `first_events` first happens.
     std::array<std::optional<std::uint32_t>, first_events.size()> first;
-    /// Of a form that asks a box: the first of the hits that it misses whose slabs come apart most; none where they
-    /// come apart at none of them.
+    /// For a form that asks a box: the first of the hits that it misses whose slabs come apart most; none where they
+    /// come apart at no missed hit.
     std::optional<Padding> padding;
 
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong() const;
-    /// The next float; the error is NaN where not both hit.
+    /// Adds the next float; the error is NaN where not both hit.
     void add(std::uint32_t place, answer::Outcome outcome, double ulps);
-    /// What is known of these floats and of those that come after them.
+    /// Appends the counts of the floats that come after these.
     void append(const FloatTally& after);
     friend bool operator==(const FloatTally&, const FloatTally&) = default;
 };
 
-/// A part of an axis with a tally of its own: what a range has of a binade, in the range's order.
+/// Part of an axis with a tally of its own: the intersection of a range with a binade, in the range's order.
 struct BinadePart {
-    std::size_t range;  ///< of the file's ranges
+    std::size_t range;  ///< index in the file's ranges
     scene::sweep::Binade binade;
     scene::sweep::FloatRange floats;
 };
@@ -90,15 +91,15 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep);
 
 struct ExhaustiveRequest;
 
-/// How far a run has come: all that is needed to go on.
+/// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
-    std::uint64_t tried = 0;          ///< of the share's floats, in their order; each by every form on every ray
+    std::uint64_t tried = 0;          ///< floats of the share done so far, in order, each by every form on every ray
     std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::place`
-    truth::StageCounts stages{};      ///< of truths; how many it were depends on how often forms shared them
+    truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 
-    /// What the next share found, behind what this one did.
+    /// Appends the results of the next share.
     void append(const ExhaustiveState& after);
-    /// Throws std::out_of_range where it cannot be what such a request found.
+    /// Throws std::out_of_range where the state cannot be the result of such a request.
     void require_of(const ExhaustiveRequest& request) const;
 };
 
@@ -106,38 +107,38 @@ struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile& sweep;
     std::vector<evaluate::TestedForm> rows = {};  ///< all in binary32
     truth::TruthLimit limit{};
-    std::string scene = {};   ///< of a sweep across a mesh: as a command line names it
-    shard::Share share = {};  ///< of the blocks into which every binade is cut
-    /// Called with so many more floats tried, each counted once a ray and form.
+    std::string scene = {};   ///< for a sweep across a mesh: the scene as a command line names it
+    shard::Share share = {};  ///< share of the blocks into which every binade is cut
+    /// Called with the number of further floats tried, each counted once a ray and form.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
-    /// Called between two parts of the work, when the state is whole.
+    /// Called between two parts of the work, when the state is complete.
     std::function<void(const ExhaustiveState&)> keep = [](const ExhaustiveState&) {};
 
-    /// Where the tally of a form on a ray in a binade stands.
+    /// Index of the tally of a form on a ray in a binade.
     [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row) const {
         return (binade * sweep.rays.size() + ray) * rows.size() + row;
     }
 };
 
-/// A form on a ray over all floats of a range.
+/// Results of a form on a ray over all floats of a range.
 struct RangeFinding {
     std::size_t range, ray, row;
     scene::sweep::FloatRange floats;
-    FloatTally tally;  ///< of all of them: as many as were tried, not as many as the ends allow
+    FloatTally tally;  ///< over the floats that were tried, which may be fewer than the range has
 
-    /// The float before another in the order of the range; nothing before its first.
+    /// Float before another in the order of the range; nothing before its first.
     [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t place) const;
 };
 
-/// By row, ray and range.
+/// Findings by row, ray and range.
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
-/// How many floats a share has.
+/// Number of floats in a share.
 std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);
 
-/// Goes on until every float of the share is tried. What it finds does not depend on the number of threads, nor on how
-/// often it was stopped. When it throws (Interrupted, say), the state is whole: the last that `keep` was called with,
-/// or later.
+/// Continues until every float of the share is tried. The result depends neither on the number of threads nor on how
+/// often the run was stopped. When it throws (Interrupted, say), the state is complete: the last one that `keep` was
+/// called with, or a later one.
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state);
 
 /// Consecutive floats of an axis, on one of its rays.
@@ -147,24 +148,24 @@ struct FloatsOnRay {
     scene::sweep::FloatRange floats;
 };
 
-/// In one block, by one form.
+/// Most floats that one form refines in one block.
 inline constexpr std::size_t most_refined = 4096;
 
-/// What the rows of the request do at these floats: a tally a row.
+/// Runs the rows of the request on these floats; one tally a row.
 ///
-/// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
-/// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
-/// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
-/// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
+/// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
+/// refined, so that none is worse by more than 2^-20 of it or of an ulp. Where thousands in a row are equally bad to
+/// within 2^-8 ulp (where t* hardly depends on the axis, say), at most `most_refined` are refined. `at_most` bounds the
+/// errors of the others. Crossings of a number of lost bits are decided by the complete truth where the columns leave
 /// them open.
 std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
 
-/// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
-/// that asks no box.
+/// Number of u by which tmax must grow so that no hit is missed because slabs come apart; 0 where none is missed so,
+/// missing for a form that asks no box.
 double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
-/// As `try_floats`: of a sweep across a mesh. Every float is held against the whole truth of its ray, and its error is
-/// the metric `ulp_error`: nothing is left open.
+/// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
+/// error is the metric `ulp_error`: nothing is left open.
 std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages);
 
 /// One form at one float.

@@ -1,4 +1,4 @@
-// A ray and its solid at many floats of an axis, as columns: what the truth and the forms are asked.
+// A ray and its primitive at many floats of an axis, as columns: the inputs of the truth and of the forms.
 #pragma once
 
 #include <array>
@@ -15,26 +15,26 @@ namespace lostbits::measure::sweep {
 
 class AxisColumns {
 public:
-    /// Room for so many floats; `file` outlives this.
+    /// Allocates buffers for `most` floats; `file` must outlive this.
     AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t most);
 
-    /// Moves on to other floats, at most as many as there is room for.
+    /// Moves on to other floats, at most `most` of them.
     void set(std::span<const float> values);
     [[nodiscard]] std::span<const float> values() const { return values_; }
 
     [[nodiscard]] truth::ProblemColumns<float> problems() const;
-    /// The same for other floats than those that were set.
+    /// Problems of other floats than those that were set.
     [[nodiscard]] truth::ProblemColumns<float> problems(std::span<const float> values) const;
-    /// The whole truth of float i.
+    /// Complete truth of float i.
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
 
-    /// What a form answers at each float: `hit` is 0 or 1.
+    /// Answers of a form at each float: `hit` is 0 or 1.
     void answer(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
 
-    /// What a form is given at float i, once it has answered there.
+    /// Ray that a form is given at float i; valid once the form has answered there.
     [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& row, std::size_t i) const;
     [[nodiscard]] Solid<float> solid(std::size_t i) const { return file_.solid_at(values_[i]); }
-    /// Whether that is another solid at each float.
+    /// True where the primitive differs from float to float.
     [[nodiscard]] bool solid_varies() const { return !file_.solid_places.empty(); }
 
 private:
@@ -47,24 +47,24 @@ private:
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;
     std::span<const float> values_;
-    std::array<float, 6> ray_numbers_;  ///< what does not vary
+    std::array<float, 6> ray_numbers_;  ///< numbers that do not vary
     std::array<float, most_numbers> solid_numbers_;
     std::array<bool, 6> ray_varies_{};
     std::array<bool, most_numbers> solid_varies_{};
-    std::array<std::vector<float>, 6> ray_columns_;  ///< of what does not vary, as many as there is room
+    std::array<std::vector<float>, 6> ray_columns_;  ///< a number that does not vary fills its whole column
     std::array<std::vector<float>, most_numbers> solid_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
-    std::vector<Solid<float>> solids_;  ///< one a float, where a form has no kernel for many
+    std::vector<Solid<float>> solids_;  ///< one a float, for forms without a kernel over many
     bool units_made_ = false, solids_made_ = false, direction_varies_ = false;
 };
 
-/// Of one form at the floats of some columns.
+/// Bounds of the errors of one form at the floats of some columns.
 class UlpColumns {
 public:
     using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_solid>;
 
-    /// The answers of a form beside the truth of the same floats.
+    /// Compares the answers of a form with the truth of the same floats.
     UlpColumns(const AxisColumns& columns, const truth::ColumnTerms& terms) : columns_(columns), terms_(terms) {}
     void compare(std::span<const float> t, std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
 
@@ -72,16 +72,16 @@ public:
     [[nodiscard]] const Outcomes& counts() const { return counts_; }
     [[nodiscard]] answer::Outcome outcome(std::size_t i) const { return static_cast<answer::Outcome>(outcome_[i]); }
 
-    /// |ulp error| lies between these, where both hit; elsewhere both are −1.
+    /// Bounds of |ulp error| where both hit; elsewhere both are −1.
     [[nodiscard]] double at_least(std::size_t i) const { return low_[i]; }
     [[nodiscard]] double at_most(std::size_t i) const { return high_[i]; }
-    /// The largest of each, −1 for none.
+    /// Largest value of each bound, −1 for none.
     [[nodiscard]] double most_at_least() const { return most_low_; }
     [[nodiscard]] double most_at_most() const { return most_high_; }
 
-    /// Brings the two closer together, to 2^-48 of themselves, where truths in packs can; for floats where both hit.
+    /// Narrows both bounds, to 2^-48 of themselves, where truths in packs can; for floats where both hit.
     void refine(std::span<const std::size_t> places);
-    /// The error by the whole truth of float i, signed: what `lostbits explain` says.
+    /// Signed error by the complete truth of float i, as `lostbits explain` reports it.
     [[nodiscard]] double exact(std::size_t i);
 
 private:
@@ -95,7 +95,7 @@ private:
     std::vector<double> low_, high_;
     Outcomes counts_{};
     double most_low_ = -1, most_high_ = -1;
-    truth::TruthColumns closer_;  ///< of `refine`
+    truth::TruthColumns closer_;  ///< truths of `refine`
 };
 
 }  // namespace lostbits::measure::sweep

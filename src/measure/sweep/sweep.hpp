@@ -1,5 +1,5 @@
-// The sweep: a map's numbers along a parameter, and the places where they first go wrong. And named cases at the
-// extremes: is a form right there, and if not, how is it wrong?
+// Sweep: a map's numbers along a parameter, and the points where they first go wrong. Also named cases at the extremes:
+// is a form right there, and if not, how is it wrong?
 #pragma once
 
 #include <algorithm>
@@ -16,47 +16,47 @@
 
 namespace lostbits::measure::sweep {
 
-/// The rows at one step.
+/// Results of the rows at one step.
 struct SweepStep {
     std::vector<double> values;  ///< one per axis
     std::vector<evaluate::FormSummary> rows;
 };
 
-/// Where a row first crosses a threshold along the first axis.
+/// Point where a row first crosses a threshold along the first axis.
 struct Onset {
     std::size_t row;
-    std::string event;       ///< `lost_bits`, a step of a space, an outcome, or why a march stopped
+    std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
     std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
-    double threshold;        ///< bits, ulps of a step, or 1 for a count
+    double threshold;        ///< in bits, in ulps of a step, or 1 for a count
     bool from_last = false;  ///< read from the last step backwards: `first`, `last` and `after` are in that order
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
-    double value_at_first_bad = 0;  ///< of the statistic
-    /// A form can recover. Whether a step after the first bad one is good, up to where the last of them is, and from
-    /// where on it is bad to the end; of that nothing where the last step is good.
+    double value_at_first_bad = 0;  ///< value of the statistic
+    /// Recovery after the first bad step. `recovers`: a later step is good; the last good step and the point from which
+    /// the form stays bad are recorded. `good_at_end`: the last step is good, and neither is recorded.
     bool recovers = false, good_at_end = false;
     double last_good_after = 0, bad_again = 0;
-    std::uint64_t rays = 0, views = 0;  ///< of every step: a first failure among so many comes later among fewer
-    std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where it does not happen
+    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer of them a first failure is found later
+    std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where the event does not happen
 
-    /// Whether both are of one row, of the same thing that happens there, and read from the same end.
+    /// True where both are the same event of one row, read from the same end.
     [[nodiscard]] bool is_of_event(const Onset& other) const {
         return row == other.row && event == other.event && statistic == other.statistic &&
                threshold == other.threshold && from_last == other.from_last;
     }
-    /// Of first_bad over all draws.
+    /// Spread of first_bad over all draws.
     [[nodiscard]] metric::Spread spread() const {
         return metric::spread_of(found ? first_bad : std::numeric_limits<double>::quiet_NaN(), further);
     }
 };
 
-/// All that is known of a sweep.
+/// All results of a sweep.
 struct SweepFindings {
     std::vector<SweepStep> steps;
     std::vector<Onset> onsets;
 
-    /// What the next share found.
+    /// Appends the results of the next share.
     void append(SweepFindings&& after);
 };
 
@@ -64,11 +64,11 @@ struct SweepRequest {
     const scene::sweep::SweepFile& sweep;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
-    int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
-    shard::Share share = {};  ///< of the steps, and of the rows whose onsets are found
-    bool recoveries = false;  ///< find where a form is good again after its first trouble, too
-    bool both_ends = false;   ///< find onsets from the last step backwards, too: where small values are the trouble
-    std::vector<Onset> only = {};  ///< where there are any, onsets of other events are not looked for
+    int further_draws = 0;         ///< further draws of the rays, for the spread of onsets; they need random rays
+    shard::Share share = {};       ///< share of the steps, and of the rows whose onsets are found
+    bool recoveries = false;       ///< also find where a form is good again after its first failure
+    bool both_ends = false;        ///< also find onsets from the last step backwards, for failures at small values
+    std::vector<Onset> only = {};  ///< if not empty, only onsets of these events are looked for
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -78,30 +78,30 @@ struct SweepRequest {
     }
 };
 
-/// Every step of one axis, or of the product of two (the second running fastest), in order; in parallel over steps.
-/// Those of the request's share.
+/// Runs every step of one axis, or of the product of two (the second runs fastest), in order; parallel over steps.
+/// Runs the steps of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
-/// The rows at any place of the sweep, on its steps or between them.
+/// Rows at any values of the sweep's axes, on its steps or between them.
 std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values);
 
-/// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
-/// the 99th percentile and the largest, of one ulp by the median of each measured step of a space, of the first of each
-/// of the `wrong_decisions`, and of the first march that ends at max_dist, at max_steps, or stagnated; each bracket
-/// [last good, first bad] narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A
-/// crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may be good again
-/// later: the last place that is, and where it is bad from then on, are found alike. Then the first crossings on
-/// further draws, where the request asks for them. Of both ends, each onset that is read from the first step is
-/// followed by the same read from the last.
+/// Finds the first crossings along the first axis of a sweep with one axis: of 1, 4, 8, p/2 and p lost bits by the
+/// median, the 99th percentile and the largest; of one ulp by the median of each measured step of a transform; of the
+/// first of each of the `wrong_decisions`; and of the first march that ends at max_dist, at max_steps, or stagnated.
+/// Each bracket [last good, first bad] is narrowed by bisection until it is 2^-9 of its value wide, or holds no number
+/// of the axis. A crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may
+/// be good again later: the last good point, and the point from which it stays bad, are found the same way. Then come
+/// the first crossings on further draws, where the request asks for them. With `both_ends`, each onset that is read
+/// from the first step is followed by the same read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
-/// Both. A share that is not the whole measures all steps of the rows whose onsets it finds by itself.
+/// Runs the steps and finds the onsets. A share that is not the whole measures all steps of its onsets' rows itself.
 SweepFindings measure_sweep(const SweepRequest& request);
 
-/// Units of progress that both calls together report at most.
+/// Largest number of units of progress that both calls together report.
 std::uint64_t sweep_units(const SweepRequest& request);
 
-/// What a case comes to. Wrong decisions come before wrong values, and of several kinds the most frequent counts.
+/// Verdict on a case. Wrong decisions come before wrong values; among several kinds the most frequent counts.
 enum class Verdict : std::uint8_t {
     right,
     within_inputs,
@@ -119,21 +119,22 @@ inline constexpr std::array<std::string_view, 8> verdict_names{
 struct CaseRequest {
     const scene::sweep::CaseFile& file;
     std::vector<evaluate::TestedForm> rows;
-    std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
+    std::vector<const metric::Metric*> metrics;  ///< include lost_bits and excess_bits
     truth::TruthLimit limit{};
-    shard::Share share = {};  ///< of the cases
+    shard::Share share = {};  ///< share of the cases
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Every row of every case of the share, in the file's order; in parallel over the cases. Each format gets the case's
-/// rays as its own numbers, and its own truth.
+/// Runs every row on every case of the share, in the file's order, in parallel over the cases. Each format gets the
+/// case's rays as its own numbers, and its own truth.
 std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& request);
-/// One row over several cases as if they were one.
+/// Runs one row over several cases as if they were one.
 evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
                                          const std::vector<std::size_t>& numbers);
 
-/// `right`: every decision is, and no answer loses more than `within` bits. `within_inputs`: every decision is right,
-/// and what an answer loses is at most `within` bits beyond the envelope of half an ulp in each input.
+/// Verdict on a summary. `right`: every decision is right, and no answer loses more than `within` bits.
+/// `within_inputs`: every decision is right, and an answer loses at most `within` bits beyond the envelope of half an
+/// ulp in each input.
 Verdict verdict_of(const evaluate::FormSummary& summary, const std::vector<const metric::Metric*>& metrics,
                    double within);
 

@@ -1,4 +1,4 @@
-// The worst ray of a form in a box of parameters, by seeded local search.
+// Finds the worst ray of a form in a box of parameters, by seeded local search.
 #pragma once
 
 #include <functional>
@@ -10,32 +10,32 @@
 
 namespace lostbits::measure::sweep {
 
-/// What a search came to, for one row.
+/// Result of a search, for one row.
 struct WorstFound {
     answer::Outcome outcome = answer::Outcome::agree_hit;
-    double value = -1;  ///< of the metric; means nothing for a wrong decision
-    Ray<double> ray{};  ///< numbers of the format
+    double value = -1;  ///< value of the metric; meaningless for a wrong decision
+    Ray<double> ray{};  ///< in numbers of the format
     Solid<double> solid{};
     double t = 0;         ///< the form's answer
     double truth = 0;     ///< t*, correctly rounded to binary64; NaN for a miss
-    double distance = 0;  ///< from the ray's origin to the centre of a sphere, in radii; NaN of other solids
+    double distance = 0;  ///< from the ray's origin to the centre of a sphere, in radii; NaN for other primitives
     std::uint64_t evaluations = 0;
 };
 
 struct WorstRequest {
     scene::sweep::SearchFile search;
     std::vector<evaluate::TestedForm> rows;
-    std::vector<const metric::Metric*> metrics;  ///< the search's own, by `searched`
+    std::vector<const metric::Metric*> metrics;  ///< metrics of the search, by `searched`
     truth::TruthLimit limit{};
-    shard::Share share = {};  ///< of the rows
+    shard::Share share = {};  ///< share of the rows
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// From each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a random
-/// power of two) away in one to three numbers, and the search goes on from the best of them if it is not worse than
-/// before. A wrong decision ends the search of its row, unless the nearest one is asked for: then of
-/// two wrong decisions the nearer is the worse, and further starts lie nearer than the nearest so far. Nothing where no
-/// ray of the box is hit. One a row of the share. The result depends on the file alone, not on the number of threads.
+/// Searches from each of `starts` random rays: `generations` times 32 neighbours, each a few ordinals of the format (a
+/// random power of two) away in one to three numbers. The search goes on from the best of them if it is not worse than
+/// before. A wrong decision ends the search of its row, unless the nearest one is requested: then the nearer of two
+/// wrong decisions is the worse, and further starts lie nearer than the nearest so far. One result a row of the share;
+/// nothing where no ray of the box is hit. The result depends on the file alone, not on the number of threads.
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

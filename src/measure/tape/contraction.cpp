@@ -240,7 +240,7 @@ void fill(Rows::Made& made) {
     static std::deque<Contracted> all;  // rows point into it
     const Intersector& form = *std::get<0>(made.parts);
     made.name = std::string(form.info->name) + std::string(contracted_suffix);
-    made.title = std::string(form.info->title) + "; products that are added are rounded with the sum";
+    made.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     made.source = form.info->source;
     made.tell_as(*form.info);
     const Contracted& own = all.emplace_back(form, made.name);
@@ -258,7 +258,7 @@ Tape contracted(const Tape& tape) { return Contraction(tape).made(); }
 const Intersector& contracted_row(const Intersector& form) {
     if (form.is_placed)
         throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
-                         ": a form is contracted before it is taken through a space; write FORM" +
+                         ": the suffix of the contraction comes before that of the transform; write FORM" +
                          std::string(contracted_suffix) + "@SPACE");
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
     try {

@@ -1,4 +1,4 @@
-// Contraction: what a compiler makes of a formula where a product that is added may be rounded together with the sum.
+// Contraction: what a compiler makes of a formula if it may round a product together with the sum that takes it.
 #pragma once
 
 #include "intersect/table/table.hpp"
@@ -6,20 +6,21 @@
 
 namespace lostbits::measure::tape {
 
-/// The tape as GCC compiles it at -O2 with -ffp-contract=fast and FMA. Operations that are the same of the same
-/// operands are one. A product is fused where all that takes it, or takes its negative, adds it or subtracts it: a b ±
-/// c and c ± a b are rounded once. Of two products that are added the one on the left is fused, and the other is its
-/// addend; but a product within what has a name of its own stands before. A product that is also compared, chosen,
-/// multiplied or answered stays as it is. clang fuses the same ones, but none that is taken twice. Values are those of
-/// the tape that is given.
+/// Contracts a tape as GCC compiles it at -O2 with -ffp-contract=fast and FMA. Equal operations on the same operands
+/// are merged. A product is fused where every operation that takes it, or takes its negative, is an addition or
+/// subtraction: a b ± c and c ± a b are rounded once. Of two products that are added the left one is fused, and the
+/// other is its addend; but a product inside an expression with a name of its own comes first. A product that is also
+/// compared, chosen, multiplied or answered stays as it is. clang fuses the same ones, except those that are taken
+/// twice. Values are those of the given tape.
 Tape contracted(const Tape& tape);
 
-/// The row `FORM+fma`: the form's operations, contracted, in every arithmetic; without rounding it is the form. Its
-/// kernels run the operations one by one over columns, so that their bits are those of compiled code and their time is
-/// not. Made once and kept. InputError as of `tape_of`, and for a form through a space: a name has its space last.
+/// The row `FORM+fma`: the form's operations, contracted, in every arithmetic. Without rounding it is the form. Its
+/// kernels run the operations one by one over columns: their bits are those of compiled code, but their time is not.
+/// Each row is made once and kept. InputError as for `tape_of`, and for a form with a transform method, which comes
+/// last in a name.
 const intersect::table::Intersector& contracted_row(const intersect::table::Intersector& form);
 
-/// Whether a row was made so.
+/// True for a row that was made so.
 bool is_contracted(const intersect::table::Intersector& row);
 
 }  // namespace lostbits::measure::tape

@@ -1,5 +1,5 @@
-// The operations of a tape over columns: one translation unit for each register width includes this, and sees plain
-// pointers only (see intersect/simd/packed_batch.hpp for why).
+// The operations of a tape over columns. One translation unit for each register width includes this, and sees plain
+// pointers only (intersect/simd/packed_batch.hpp says why).
 #pragma once
 
 #include <utility>
@@ -62,7 +62,8 @@ private:
         void store(std::size_t i, const Two<P>& x) const { high.store(i, x.hi), low.store(i, x.lo); }
     };
 
-    /// out[i] = f(a[i], …). The operands are read before the result is written, so it may take the place of one.
+    /// out[i] = f(a[i], …). The operands are read before the result is written, so the result may overwrite one of
+    /// them.
     template <class N, std::size_t operands, class F>
     void computed(const TapeStep& s, const F& f) const {
         computed<N>(s, f, std::make_index_sequence<operands>());
@@ -109,7 +110,7 @@ private:
             case TapeOp::less_equal: return decision<N>(s, [](const N& a, const N& b) { return a <= b; });
             case TapeOp::greater: return decision<N>(s, [](const N& a, const N& b) { return a > b; });
             case TapeOp::greater_equal: return decision<N>(s, [](const N& a, const N& b) { return a >= b; });
-            default: return;  // no other is one of numbers
+            default: return;  // no other operation computes numbers
         }
     }
 
@@ -129,7 +130,7 @@ private:
         }
     }
 
-    /// From any number to any other: to a narrower one it is rounded once. Of two floats the nearest float is the high
+    /// Converts any number to any other; a narrower one is rounded once. The nearest float of two floats is the high
     /// word: double{hi} + double{lo} may lie half way, and be rounded away from it.
     void convert(const TapeStep& s) const {
         switch (s.from) {

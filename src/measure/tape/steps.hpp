@@ -1,4 +1,4 @@
-// What tape_program.cpp and the translation units of the register widths say to each other: plain pointers.
+// Interface between tape_program.cpp and the translation units of the register widths: plain pointers.
 #pragma once
 
 #include <array>
@@ -9,26 +9,27 @@
 
 namespace lostbits::measure::tape {
 
-/// What a node is computed in: a float, a double, or two of either as one number.
+/// Arithmetic of a node: a float, a double, or two of either as one number.
 enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
 
-/// An operation on columns.
+/// Operation on columns.
 struct TapeStep {
     TapeOp op;
-    Word word, from;  ///< of the result, and of the operands that are numbers
+    Word word, from;  ///< arithmetic of the result, and of the operands that are numbers
     std::array<std::uint16_t, 3> operands;
     std::uint16_t out;
 };
 
-/// Rays at a time: the columns of a form stay in the first-level cache. Whole registers of any width.
+/// Number of rays computed together: the columns of a form stay in the first-level cache, and fill whole registers of
+/// any width.
 inline constexpr std::size_t together = 128;
 
-/// Columns of `together` each; of two words the low ones are the next column.
+/// Columns of `together` numbers each. A number of two words has its low words in the next column.
 struct StepColumns {
     float* floats;
     double* doubles;
     bool* decisions;
-    std::size_t rays;  ///< at hand; what lies behind them in a register is computed, too, and nobody reads it
+    std::size_t rays;  ///< valid rays; the rest of their last register is computed too, and never read
 };
 
 /// One function a register width, each in an object of its own.

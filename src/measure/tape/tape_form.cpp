@@ -102,10 +102,12 @@ namespace {
 
 /// What stands in the way of a tape of all that a form does; empty: nothing.
 std::string refusal_of_tape(const Intersector& form) {
-    if (!is_solid(form.shape)) return "it marches, and every ray does other operations; name a form of a solid";
-    if (form.is_set()) return "these are several forms; name one";
+    if (!is_solid(form.shape))
+        return "it marches, so its operations differ from ray to ray; name a form of a primitive";
+    if (form.is_set()) return "it stands for several forms; name one of them";
     if (intersect::hull::innermost(form).way)
-        return "it filters, and decides by itself how far to go with each ray; name a form that does the same to all";
+        return "it filters: it decides by itself how far to go with each ray; name a form that does the same to every "
+               "ray";
     if (intersect::hull::has_box(form))
         return "name the form without its box, such as " + std::string(intersect::hull::innermost(form).info->name);
     if (!form.record)

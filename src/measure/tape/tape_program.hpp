@@ -1,5 +1,5 @@
-// A tape over columns of rays: what one ray was recorded to do, done to many, each operation in the format that the
-// tape says. A form whose operations are the same for every ray (`select` in place of `if`) is one program.
+// Runs a tape over columns of rays: what was recorded on one ray is done to many, each operation in the format that the
+// tape has for it. A form whose operations are the same for every ray (`select` in place of `if`) is one program.
 #pragma once
 
 #include <array>
@@ -15,22 +15,23 @@ namespace lostbits::measure::tape {
 /// Two floats or two doubles, high and low (`number::wide::TwoWords`), as the format of a node.
 inline constexpr FloatFormat two_floats{48, -126, 127}, two_doubles{106, -1022, 1023};
 
-/// By its format. std::logic_error for one that a program has no arithmetic for.
+/// Arithmetic of a format. std::logic_error for a format that a program has no arithmetic for.
 Word word_of(const FloatFormat& format);
 
-/// Where each result of a tape lies in columns, and what is done to them in which order.
+/// Program of a tape: the columns of its results, and the operations on them in order.
 class TapeProgram {
 public:
-    /// Of what the outputs are computed from. std::logic_error for a node in a format without arithmetic here.
+    /// Takes the nodes that the outputs are computed from. std::logic_error for a node in a format without arithmetic
+    /// here.
     explicit TapeProgram(const Tape& tape);
 
-    /// As a kernel of the table (`Intersector::native32`, `native64`): answers are those of the tape's outputs, which
-    /// are in the format S, and its inputs are taken in the order of `input_names`. For several threads at once.
+    /// Runs as a kernel of the table (`Intersector::native32`, `native64`). The answers are the tape's outputs, which
+    /// are in the format S, and the inputs are taken in the order of `input_names`. Thread-safe.
     template <class S>
     void run(const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
              const intersect::table::HitBatch<S>& hits) const;
 
-    /// Operations that are done to each ray.
+    /// Number of operations that are done to each ray.
     [[nodiscard]] std::size_t operations() const { return steps_.size(); }
 
 private:
@@ -49,7 +50,7 @@ private:
     std::vector<Constant> constants_;
     std::vector<Input> inputs_;
     std::size_t input_count_ = 0;
-    std::array<std::uint16_t, 3> columns_{};  ///< of floats, doubles and decisions
+    std::array<std::uint16_t, 3> columns_{};  ///< number of columns of floats, doubles and decisions
     std::array<std::uint16_t, 4> outputs_{};  ///< hit, t, near, far
 };
 

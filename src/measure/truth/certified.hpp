@@ -1,4 +1,4 @@
-// A real number known to within a bound: what an enclosure leaves behind when it is done.
+// A real number known to within a bound: the result of an enclosure.
 #pragma once
 
 #include <cstdint>
@@ -40,9 +40,9 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
 /// A finite double as a certified value with bound zero.
 Certified exactly(double x);
 
-/// An enclosure of both: the nearest of two intersections where they cannot be told apart.
+/// Enclosure of both: the nearest of two intersections where they cannot be told apart.
 Certified nearer(const Certified& x, const Certified& y);
-/// −1, 0 (cannot be told), or +1.
+/// −1, 0 (cannot be decided), or +1.
 int compare(const Certified& x, const Certified& y);
 
 /// Both ends of x, each rounded to nearest even in a format: one number, or two neighbours where the bound straddles
@@ -57,7 +57,7 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
 /// |x|/2^emin-scaled position in the format's ordering: 0 for zero, +1 per representable number, negative below zero.
 /// Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
-/// The finite number of that ordinal.
+/// Finite number of that ordinal.
 double number_at(std::int64_t ordinal, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

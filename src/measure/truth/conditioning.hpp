@@ -1,4 +1,4 @@
-// How strongly relative errors of the inputs act on t, to first order.
+// Sensitivity of t to relative errors of the inputs, to first order.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,18 @@
 
 namespace lostbits::measure::truth {
 
-/// κ = Σ |xᵢ ∂t/∂xᵢ| / |t| of the true first intersection, over all inputs: origin, direction, the solid's numbers.
+/// κ = Σ |xᵢ ∂t/∂xᵢ| / |t| of the true first intersection, over all inputs: origin, direction, the primitive's numbers.
 /// Relative errors of δ in each input alone move t by at most κ·δ in all, to first order. Good to 2^-20 of itself.
-/// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is; NaN for a miss. The range is no input: where the
+/// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is infinite; NaN for a miss. The range is not an input:
+/// where the answer is the tmin of a ray that begins inside, κ is 0.
 /// answer is the tmin of a ray that begins inside, κ is 0.
 double condition(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {},
                  const Range<double>& range = {});
 double condition(const Ray<Real>& ray, const Solid<Real>& solid, intersect::Convention convention = {},
                  const Range<double>& range = {});
 
-/// ∂t/∂xᵢ there, in the order of the inputs and then those of a matrix, each good to 2^-40 of the largest; empty where
-/// there is none: of a miss, of a hit where the range begins, on an exact tangent.
+/// ∂t/∂xᵢ of the same intersection, in the order of the inputs and then those of a matrix, each good to 2^-40 of the
+/// largest. Empty for a miss, for a hit where the range begins, and on an exact tangent.
 std::vector<double> gradient(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {},
                              const Range<double>& range = {});
 

@@ -1,4 +1,4 @@
-// What the forms of one format are given of a band, and the truth of that.
+// Inputs that the forms of one format get from a band, and their truth.
 #pragma once
 
 #include <array>
@@ -16,33 +16,33 @@
 
 namespace lostbits::measure::truth {
 
-/// What forms in one format receive. Rays and spheres are numbers of the format, held in doubles.
+/// Inputs of the forms in one format. Rays and spheres are numbers of the format, held in doubles.
 struct FormatInputs {
     Format format;
     scene::rays::RayBlock rays = {};
     scene::rays::SolidList<double> solids = {};
-    /// Where the scene has them; a form that marches is never asked without.
+    /// Constants of a march, where the scene has them; a form that marches is never run without them.
     std::optional<intersect::MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::rays::RayBlock unit_rays = {};
-    /// The truth of these inputs; empty where they are the ideal ones, or where no metric asks.
+    /// Truth of these inputs; empty where they are the ideal ones, or where no metric needs it.
     RayTruths own_truth = {};
-    /// The same by other conventions, by `key_of`, for the rays on which they matter.
+    /// Truth by other conventions, by `key_of`, for the rays on which they matter.
     std::unordered_map<std::size_t, Truth> own_apart = {};
-    /// By `Perturbed` and `Length`, of the closed solid's truth, see `truth::reach`; empty unless asked for.
+    /// Reach by `Perturbed` and `Length`, of the closed primitive's truth, see `truth::reach`; empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
     bool paired = false;  ///< ray i is aimed at solid i alone
-    /// Which of them forms are asked about: of spheres, and of other shapes ray by ray. Null: all.
+    /// Index of the primitives that forms are asked about: for spheres, and for other shapes ray by ray. Null: all.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
-    intersect::process::StopToken stop = {};  ///< of the band, for whoever asks forms about them
+    intersect::process::StopToken stop = {};  ///< of the band, for code that runs forms on the inputs
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
-    /// What a form is aimed at: one of the solids, or all of them together. Keeps the one that it is about.
+    /// Target of a ray: one of the primitives, or all of them together. Stores the one primitive.
     class AimedAt {
     public:
         explicit AimedAt(const Solid<double>& one) : one_(one) {}
@@ -62,7 +62,7 @@ struct FormatInputs {
     }
 };
 
-/// One number for a ray and what is said of touching and of its origin.
+/// Key for a ray and for what a convention says of touching and of the origin.
 [[nodiscard]] inline std::size_t key_of(std::size_t i, intersect::Convention convention) {
     return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
            (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);

@@ -1,4 +1,4 @@
-// The columns of problems as the stages read them: in place, or gathered into buffers of whole registers.
+// Columns of problems in the layout that the stages read: in place, or gathered into buffers of whole registers.
 #pragma once
 
 #include <algorithm>
@@ -15,17 +15,17 @@
 
 namespace lostbits::measure::truth {
 
-/// Problems that are settled together: their columns stay in the first two caches.
+/// Number of problems that are settled together: their columns stay in the first two caches.
 inline constexpr std::size_t settled_together = 1024;
-/// The numbers of a column in a buffer: not a multiple of 4096 bytes, for then all columns would share a few lines of
-/// the first cache.
+/// Stride of a column in a buffer. It is not a multiple of 4096 bytes, since all columns would then share a few lines
+/// of the first cache.
 inline constexpr std::size_t column_room = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
 using Spans = std::array<std::span<const double>, 6>;
 
-/// Rays begin to end of a block as columns of words: where they lie, or made.
+/// Rays begin to end of a block as columns of words: in place, or copied.
 template <class S>
 class WordColumns {
 public:
@@ -54,15 +54,15 @@ private:
     std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> room_;
 };
 
-/// Whether some ray has a range that does not hold all that lies ahead.
+/// True where some ray has a range that is not everything ahead of its origin.
 template <class S>
 bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open) {
     return open.tmin || std::ranges::any_of(tmin, [](S t) { return t != 0; }) ||
            std::ranges::any_of(tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
 }
 
-/// Calls `use(column, raw)` for each column of the problems, with its place among those of the stages. A column that
-/// is not there is empty; those of second words are left out then.
+/// Calls `use(column, raw)` for each column of the problems, with its index among those of the stages. A missing column
+/// is empty; missing second words are skipped.
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
@@ -74,12 +74,12 @@ void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, 
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
     for (std::size_t k = 0; k < most_stored; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
-/// Where those of a ray, a solid, its range and of the second words begin.
+/// First columns of a ray, a primitive, its range and of the second words.
 inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin = 6 + most_stored,
                              place_of_tmax = place_of_tmin + 1, first_of_low = place_of_tmax + 1,
                              most_columns = first_of_low + 6 + most_stored;
 
-/// What the stages find of up to `settled_together` problems.
+/// Findings of the stages on up to `settled_together` problems.
 struct FoundTogether {
     std::uint8_t settled[column_room], hit[column_room], touches[column_room], on_surface[column_room];
     double hi[column_room], lo[column_room], bound[column_room];
@@ -90,15 +90,15 @@ struct FoundTogether {
     }
 };
 
-/// Problems in a row, wherever they were: filled up to whole registers by the last of them.
+/// Problems gathered in a row from anywhere. The last one is repeated to fill whole registers.
 template <class S>
 struct Gathered {
     alignas(64) S numbers[most_columns][column_room];
     FoundTogether found;
-    std::size_t size = 0;  ///< of the problems that were added one by one
+    std::size_t size = 0;  ///< number of problems that were added one by one
 
-    /// The one of this thread for a shape, or for columns of whichever: some ask for one ray at a time, a thousand
-    /// times.
+    /// Buffer of this thread for a shape, or for columns of any shape: some callers ask for one ray at a time, a
+    /// thousand times.
     static Gathered& of_thread(std::optional<Shape> shape = {}) {
         thread_local std::array<std::unique_ptr<Gathered>, shape_rows.size() + 1> all;
         auto& wanted = all[shape ? static_cast<std::size_t>(*shape) : shape_rows.size()];
@@ -127,11 +127,11 @@ struct Gathered {
         return raw;
     }
 
-    /// Numbers of the problem that is added next.
+    /// Sets the numbers of the problem that is added next.
     void set(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
     }
-    /// Those that were added, as columns of one word a number, of rays without ranges and solids without matrices.
+    /// Added problems as columns of one word a number, for rays without ranges and primitives without matrices.
     [[nodiscard]] ProblemColumns<S> columns(Shape shape) const {
         ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .solid = {}};
         const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
@@ -139,7 +139,7 @@ struct Gathered {
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.solid[k] = column(first_of_solid + k);
         return p;
     }
-    /// Those that were added, of rays without ranges; `two_words`: with their second words.
+    /// Added problems, for rays without ranges; with `two_words`, also their second words.
     stages::RawProblems<S> added(std::size_t lanes, bool two_words) {
         auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
@@ -155,7 +155,7 @@ struct Gathered {
     }
 };
 
-/// Problems where they lie: the columns of one number are repeated in registers of their own.
+/// Problems read in place. A column of one number is repeated in a register of its own.
 template <class S>
 class InPlace {
 public:
@@ -168,7 +168,7 @@ public:
         });
     }
     [[nodiscard]] bool have_ranges_of_their_own() const { return ranged_; }
-    /// Asks a stage about `count` of them from `begin` on. What it finds begins where `found` points to.
+    /// Runs a stage on `count` problems from `begin` on. The findings are written from where `found` points to.
     void settle(const stages::ShapeStage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {
         const std::size_t whole = count - count % lanes, left = count - whole;
@@ -191,7 +191,7 @@ public:
     }
 
 private:
-    /// `size` of them from `begin` on, whole registers.
+    /// `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
         raw.open = problems_.open, raw.matrix = problems_.matrix;

@@ -1,4 +1,4 @@
-// How large an error is, in ulps of the truth and in bits.
+// Size of an error, in ulps of the truth and in bits.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,15 @@
 
 namespace lostbits::measure::truth {
 
-/// Whether t is x rounded to the format, or may be where x is known too loosely to tell. Of an infinite t this is an
-/// overflow as rounding alone makes it.
+/// True where t is x rounded to the format, or may be where x is known too loosely to tell. If t is infinite, this is
+/// an overflow that rounding alone makes.
 inline bool may_round_to(const Certified& x, double t, const FloatFormat& format) {
     const Neighbours ends = round_ends(x, format);
     return ends.lower == t || ends.upper == t;
 }
 
-/// (t − t*)/ulp(t*) in that format. An infinite answer is infinitely far off, but where t* itself rounds to it: that
-/// one has no error.
+/// (t − t*)/ulp(t*) in that format. An infinite answer has an infinite error, unless t* itself rounds to it: then the
+/// error is 0.
 inline double ulp_error(double t, const Certified& truth, const FloatFormat& format) {
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : t;
     return scaled_difference(exactly(t), truth, ulp_exponent(format, truth.floor_log2()));
@@ -31,18 +31,18 @@ inline double lost_bits(double ulps, int precision) {
     return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
-/// log2 of the unit in which a `reach` (reach.hpp) is told: the power of two of t*, so that no number of it leaves the
-/// range of double where t* does; 1 where t* is 0.
+/// log2 of the unit of a `reach` (reach.hpp): the power of two of t*, so that no reach leaves the range of double where
+/// t* does; 1 is the unit where t* is 0.
 inline std::int64_t exponent_of_unit(const Certified& truth) { return truth.is_zero() ? 0 : truth.exponent; }
 
-/// The bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
+/// Bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
 inline double inherent_bits(double reach, const Certified& truth, const FloatFormat& format) {
     const auto ulp = ulp_exponent(format, truth.floor_log2());
     return lost_bits(std::ldexp(reach, static_cast<int>(exponent_of_unit(truth) - ulp)), format.precision);
 }
 
-/// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
-/// still held against `reach`: log2(|t − t*| / reach), from 0 to p.
+/// Lost bits beyond `inherent_bits`. Where `inherent_bits` is p (t* = 0, or below what it can move by), a loss of all
+/// bits is still compared with `reach`: log2(|t − t*| / reach), from 0 to p.
 inline double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach) {
     const int precision = format.precision;
     const double inherent = inherent_bits(reach, truth, format);

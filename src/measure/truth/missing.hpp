@@ -1,4 +1,5 @@
-// Missing, zero and undefined are three things: a number that nobody could measure is NaN, and tables leave it out.
+// Missing numbers. Missing, zero and undefined are three things: a number that could not be measured is NaN, and tables
+// leave it out.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@ namespace lostbits::measure::truth {
 
 inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-/// `part` among `whole`; missing where there is nothing that it could be a part of.
+/// `part` over `whole`; missing where `whole` is 0.
 inline double fraction(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? missing : static_cast<double>(part) / static_cast<double>(whole);
 }

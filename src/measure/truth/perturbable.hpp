@@ -1,4 +1,4 @@
-// Problems whose inputs have errors, as functions of their numbers: what reach.cpp bounds.
+// Problems whose inputs have errors, as functions of their numbers; reach.cpp bounds how far they move.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace lostbits::measure::truth {
 
-/// Makes up for the roundings of the bound itself, a few dozen u.
+/// Factor for the roundings of the bound itself, a few dozen u.
 inline constexpr double outward = 1 + 0x1p-40;
 inline constexpr double anywhere = std::numeric_limits<double>::infinity();
 inline constexpr int exponent_of_zero = -1000000;
@@ -24,7 +24,7 @@ inline constexpr double tiny =
     std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
 
 using WithinErrors = Bounded<double>;
-/// With room for the numbers of any problem.
+/// Large enough for the numbers of any problem.
 using Differentiated = Dual<WithinErrors, 6 + most_stored>;
 
 inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
@@ -36,7 +36,7 @@ inline int binary_exponent(const Real& x) {
     return x == 0 ? exponent_of_zero : e - 1;
 }
 
-/// √Σx², of numbers whose squares may underflow too.
+/// √Σx², also for numbers whose squares underflow.
 inline double length_of(std::span<const double> x, std::size_t first, std::size_t end) {
     double largest = 0, squares = 0;
     for (std::size_t i = first; i < end; ++i) largest = std::max(largest, std::fabs(x[i]));
@@ -45,23 +45,23 @@ inline double length_of(std::span<const double> x, std::size_t first, std::size_
     return std::ldexp(std::sqrt(squares), e);
 }
 
-/// All that a number may be.
+/// Interval of all values that a number may have.
 struct AllValues {
     double low, high;
 
     explicit AllValues(const WithinErrors& x)
         : low(std::nextafter(x.value() - x.error(), -anywhere)),
           high(std::nextafter(x.value() + x.error(), anywhere)) {}
-    /// The largest and the least size of them.
+    /// Largest and least absolute value in the interval.
     [[nodiscard]] double most() const { return std::max(std::fabs(low), std::fabs(high)); }
     [[nodiscard]] double least() const { return std::max({0.0, low, -high}); }
     void join(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
 };
 
-/// The numbers of a problem (origin, direction, the solid's, its matrix's), in units in which its largest length and
-/// its largest component of d are about 1, and how far each may be off. Under a matrix the lengths of the solid have a
-/// unit of their own, and A that of a quotient; what is a direction of the solid has one too. No number is above 1
-/// then, so that nothing overflows, and what small ones lose to underflow is in the bounds.
+/// Numbers of a problem (origin, direction, the primitive's, its matrix's) and the error bound of each. Their units
+/// make the largest length and the largest component of d about 1. Under a matrix the lengths of the primitive have a
+/// unit of their own, its directions have another, and A has the quotient of two units. So no number is above 1 and
+/// nothing overflows; losses of small numbers to underflow are in the bounds.
 class ProblemNumbers {
 public:
     template <class S>
@@ -88,9 +88,9 @@ public:
             unit = std::max(unit, exponents[i]);
         }
         if (placed_) put_units_of_matrix();
-        for (int* const unit : {&units_[0], &units_[1]}) {  // of lengths and of directions
+        for (int* const unit : {&units_[0], &units_[1]}) {  // units of lengths and of directions
             if (placed_) break;
-            *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // that of zeros
+            *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
         }
         for (std::size_t i = 0; i < count_; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
@@ -109,7 +109,7 @@ public:
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
-    /// All that number i may be.
+    /// Interval of the values that number i may have.
     [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], off_[i]}; }
     /// log2 of the unit of t, or of the distance.
     [[nodiscard]] int time() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
@@ -119,8 +119,8 @@ public:
         return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + tiny);
     }
 
-    /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
-    /// vectors Σ hᵥ |∇ᵥ f|.
+    /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); for
+    /// vectors, Σ hᵥ |∇ᵥ f|.
     [[nodiscard]] double moved(const Differentiated& f) const {
         std::array<double, room> by;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -134,21 +134,22 @@ public:
         return sum * outward;
     }
 
-    /// How far f(x') can be from 0, of an f that is 0 where t is its root. Where it is not (the range begins there, or
-    /// another face is met), what the enclosure of f(x') leaves beyond 0 bounds it too, and is often nothing.
+    /// Bounds how far f(x') can be from 0, for an f that is 0 where t is its root. Where f is not 0 (the range begins
+    /// there, or another face is met), the part of the enclosure of f(x') beyond 0 bounds it too, and is often nothing.
     [[nodiscard]] double aside(const Differentiated& f) const {
         const WithinErrors& all = f.value();
         return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
     }
 
-    /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
-    /// for what the solid itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|. Of distances with e =
-    /// d/|d| for d, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A simple norm inequality, 1964).
+    /// Bound by a ball. Both points of the primitive that are met, X = o + t d and X' = o' + t' d', lie within a ball
+    /// of radius R, X' apart from what the primitive itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|.
+    /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
+    /// simple norm inequality, 1964).
     [[nodiscard]] double across(const WithinErrors& t) const {
         if (placed_) return anywhere;
         Solid<double> plain(shape_);
         std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
-        // Of a radius the roundings, and what its squares lose to underflow.
+        // Covers the roundings of a radius, and what its squares lose to underflow.
         double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
             if (first != 3) away += length_of(step_, first, end);
@@ -160,14 +161,15 @@ public:
     }
 
 protected:
-    std::size_t matrix_, count_;            ///< where those of a matrix begin, and how many there are
+    std::size_t matrix_, count_;            ///< index of the first number of a matrix, and the number of all
     std::optional<Placement<int>> placed_;  ///< without its numbers
     [[nodiscard]] bool is_as_distance() const { return as_distance_; }
 
 private:
     static constexpr std::size_t room = 6 + most_stored;
 
-    /// Of the world's lengths, directions, the solid's lengths under a matrix, its linear part, the solid's directions.
+    /// Index of the unit of number i: the world's lengths, directions, the primitive's lengths under a matrix, its
+    /// linear part, the primitive's directions.
     [[nodiscard]] std::size_t unit_place(std::size_t i) const {
         if (i >= 3 && i < 6) return 1;
         if (i >= 6 && i < matrix_ && is_direction_[i]) return 4;
@@ -176,8 +178,8 @@ private:
         return i < matrix_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
     }
     [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
-    /// x of the world is A x' + τ of the solid, or the other way: A's unit is the quotient of both, and where A is
-    /// larger the unit of what it makes grows.
+    /// Sets the units of a matrix. World x is A x' + τ of object x', or the other way round: the unit of A is the
+    /// quotient of both. Where A is larger, the unit of its result grows.
     void put_units_of_matrix() {
         const bool inverse = placed_->is_inverse;
         int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
@@ -199,8 +201,8 @@ private:
     std::array<double, room> x_, step_, off_;
 };
 
-/// A problem as functions of its numbers: f(x') of any x' within the errors is in f(ray, solid). Of distances the
-/// direction is d/|d|, a function of its numbers too, so that t is the distance.
+/// Problem as a function of its numbers: f(x') of any x' within the errors is in f(ray, solid). For distances the
+/// direction is d/|d|, also a function of its numbers, so that t is the distance.
 struct Perturbable : ProblemNumbers {
     Ray<Differentiated> ray;
     Solid<Differentiated> solid;
@@ -218,7 +220,7 @@ struct Perturbable : ProblemNumbers {
         for (std::size_t i = matrix_; i < count_; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
     }
 
-    /// `act(shape, ray)` in the space of the solid, the ray from its point at t on.
+    /// Calls `act(shape, ray)` in object space, with the ray starting at its point at t.
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};

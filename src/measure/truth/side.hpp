@@ -1,5 +1,5 @@
-// On which side of a number an exact length lies: decided by signs of dyadic polynomials, without the length itself.
-// And which root of a surface of degree four a ray meets, which `enclose` asks for.
+// Tells on which side of a number an exact length lies, by signs of dyadic polynomials, without the length itself. Also
+// finds the root of a surface of degree four that a ray meets, for `enclose`.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::truth {
 
-/// What `find.operator()<E>()` finds with balls, or else with intervals of rising precision: an optional, which is
-/// empty where no precision tells.
+/// Result of `find.operator()<E>()` with balls, or else with intervals of rising precision. It is an optional, empty
+/// where no precision decides.
 template <class Find>
 auto by_rising_precision(const Find& find) {
     auto found = find.template operator()<Ball>();
@@ -22,7 +22,7 @@ auto by_rising_precision(const Find& find) {
     return found;
 }
 
-/// −1, 0 or +1, or nothing where this precision does not tell.
+/// −1, 0 or +1; nothing where this precision does not decide.
 template <class E>
 std::optional<int> sign(const E& x) {
     const E zero(0);
@@ -32,7 +32,7 @@ std::optional<int> sign(const E& x) {
     return std::nullopt;
 }
 
-/// The sign of u + v/√a for a > 0: that of the larger of u² a and v² where u and v differ in sign.
+/// Sign of u + v/√a for a > 0: that of the larger of u² a and v² where u and v differ in sign.
 template <class E>
 std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     const auto of_u = sign(u), of_v = sign(v);
@@ -43,7 +43,7 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     return *of_u * *larger;
 }
 
-/// n/d against m > 0, or n² d·d against (m d)².
+/// Compares n/d with m > 0, or n² d·d with (m d)².
 template <class E>
 std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& m, Length length) {
     const E there = m * f.m;
@@ -51,10 +51,10 @@ std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& 
     return sign<E>(square(f.n) * d2 - square(there));
 }
 
-/// Whether a root of a quadratic lies above m > 0, at it or below. With P(t) = a t² + 2 h t + c, the near root is above
-/// m where P(m) > 0 and a m + h < 0, the far root where P(m) < 0 or a m + h < 0. Of a distance m the same with m/√b for
-/// m, b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where a < 0 (a line steeper than a cone)
-/// what is entered is the larger root, where P falls: the far one of −P.
+/// Tells if a root of a quadratic lies above m > 0, at it or below. With P(t) = a t² + 2 h t + c, the near root is
+/// above m where P(m) > 0 and a m + h < 0, the far root where P(m) < 0 or a m + h < 0. For a distance m the same holds
+/// with m/√b in place of m, b = d·d, and a factor b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where a < 0 (a
+/// line steeper than a cone) the line enters at the larger root, where P falls: the far root of −P.
 template <class E>
 std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E& m, Length length) {
     const auto bends = sign<E>(s.a);
@@ -75,8 +75,8 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E&
     return *past < 0 ? 1 : -*p;
 }
 
-/// For a ray that hits the surface and m > 0. Where there is no range the near root is the answer from outside, the far
-/// one that from inside, which no m > 0 comes before the near root of.
+/// For a ray that hits the surface and m > 0. Without a range the near root is the answer from outside, and the far one
+/// from inside, where no m > 0 comes before the near root.
 template <class E>
 std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
@@ -94,7 +94,7 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     return side_of_root(s, at, m, length);
 }
 
-/// Of where the line enters or leaves.
+/// For the point where the line enters or leaves.
 template <class E>
 std::optional<int> side_at(const CappedSpan<E>& s, Crossing at, const E& m, Length length) {
     const bool near = at == Crossing::near;
@@ -127,8 +127,8 @@ requires(ToldSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S
     return side_at<E>(s, found.at, m, length);
 }
 
-/// For a ray that hits and m > 0: t* of where the range begins, of its first entry, or of its exit where that is the
-/// answer from inside.
+/// For a ray that hits and m > 0: t* is the start of the range, its first entry, or its exit where that is the answer
+/// from inside.
 template <class E>
 std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
@@ -143,7 +143,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
     return side_of_fraction(first, s.d2, m, length);
 }
 
-/// A quartic of numbers that enclose and no more: of those with a gradient its values.
+/// Quartic over plain enclosures; for numbers with a gradient, of their values.
 template <class E>
 struct EnclosingPart {
     using type = E;
@@ -162,7 +162,7 @@ QuarticSpan<F> enclosing_part(const QuarticSpan<E>& s) {
     return part;
 }
 
-/// Which root of a quartic a ray meets: −1 for where it begins.
+/// Root of a quartic that a ray meets: −1 for the start of the ray.
 template <class F>
 struct MetRoot {
     Tri hit;
@@ -172,9 +172,9 @@ struct MetRoot {
     EnclosedRoots<F> roots = {};
 };
 
-/// Goes from root to root of an enclosing quartic. Where f does not change its sign at a root the line touches there,
-/// from outside or from inside: that is a hit or not by the convention, whatever comes behind it. From outside and from
-/// inside alike the answer is the next root that counts; where the ray ends at one by which it enters, it touches.
+/// Goes from root to root of an enclosing quartic. Where f does not change its sign at a root, the line touches there,
+/// from outside or from inside. That is a hit or not by the convention, whatever comes behind it. From outside and from
+/// inside alike the answer is the next root that counts. A ray that ends at a root by which it enters touches there.
 template <class F>
 class QuarticWalk {
 public:
@@ -211,7 +211,7 @@ private:
         if (asked_.inside == intersect::Inside::zero && !met_.on_surface) return begun();
         return on_from(next, Crossing::far);
     }
-    /// As `enclose_from_inside` has it of convex solids; behind a surface that is left there may be another.
+    /// Like `enclose_from_inside` for convex primitives; behind a surface that is left there may be another.
     [[nodiscard]] MetRoot<F> from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
         const bool leaving = met_.roots[root].behind > 0;
@@ -231,12 +231,12 @@ private:
         }
         return leaving ? on_from(root + 1) : from_inside(root + 1);
     }
-    /// How a root stands to where the range ends.
+    /// Order of a root relative to the end of the range.
     [[nodiscard]] std::optional<int> order_to_end(int root) const {
         if (!range_ || known_sign(range_->end.m) == 0) return -1;
         return met_.roots.order(root, span_.place(range_->end.n));
     }
-    /// The next root that counts, if it comes in time.
+    /// Next root that counts, if it comes before the end of the range.
     [[nodiscard]] MetRoot<F> on_from(int root, Crossing at = Crossing::near) {
         const auto counts = [this](int i) {
             return met_.roots[i].crosses || asked_.touching == intersect::Touching::hit;
@@ -268,8 +268,8 @@ MetRoot<F> met_root(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
     return QuarticWalk<F>(part, within ? &*within : nullptr, asked).find();
 }
 
-/// Of numbers with a gradient the root is a function of them by f = 0: x' = −f'/(∂f/∂x). At a double root nothing is
-/// known of it.
+/// Root as a function of numbers with a gradient, by f = 0: x' = −f'/(∂f/∂x). At a double root nothing is known of the
+/// gradient.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const auto met = met_root(s, range, convention);
@@ -304,8 +304,8 @@ struct WithRoot {
     [[nodiscard]] std::optional<int> sign() const { return sign_of_sum<E>(u, v * d, d); }
 };
 
-/// Of the root of a quartic that the ray meets: where it stands to the place of m. `simple` at a distance is told
-/// by d2 to the power of its degree times it.
+/// Order of the quartic root that the ray meets relative to m. A `simple` root at a distance is decided with a factor
+/// of d2 to the power of its degree.
 template <class E>
 std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {

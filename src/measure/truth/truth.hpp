@@ -14,54 +14,54 @@
 
 namespace lostbits::measure::truth {
 
-/// The first intersection of a ray with solids that lies in its range, t ≥ 0 where nothing else is said: with closed
-/// ones (touching counts, the origin on the surface counts), or by another convention.
+/// First intersection of a ray with primitives that lies in its range, which is t ≥ 0 by default. The primitives are
+/// closed (touching counts, the origin on the surface counts), or another convention is given.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
     Decision decision = Decision::miss;
-    /// Which solid is hit first; the lowest of those that cannot be told apart. −1 for a miss.
+    /// Index of the primitive that is hit first; the lowest of those that cannot be told apart. −1 for a miss.
     int object = -1;
     /// Bits of precision that the proof took; 106 for the double-double stage.
     int bits = 0;
-    /// Some solid is touched and no more: the two conventions may differ on this ray.
+    /// Some primitive is only touched: the two conventions may differ on this ray.
     bool touches = false;
     /// The ray begins on some sphere: conventions on t = 0 may differ on this ray.
     bool on_surface = false;
     /// The ray parameter, in lengths of the direction as stored. Its binade is proved, as is that of the distance: the
     /// bound never straddles a power of two.
     Certified t;
-    /// The same as a distance, t·|d|: what a form that receives a unit direction is asked for.
+    /// Same length as a distance, t·|d|: the answer that is expected of a form for unit directions.
     Certified distance;
 
     [[nodiscard]] bool is_hit() const { return decision == Decision::hit; }
 };
 
-/// In the order of `Truth::Decision`, as files name them.
+/// Names in files, in the order of `Truth::Decision`.
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
-/// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
-/// of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids, cylinders) or twelve (cones): an
-/// interval of enough bits has zero width, for doubles of at most 12·(1024 + 1074) + 24 < 25300 (the tests' worst
-/// needed 6144). Of tori it has degree 34 or more, so that numbers whose exponents are some 700 apart may need more.
-/// The last precision tried is 24576; what it leaves open is `unresolved`. Whoever looks for many truths asks `stop` on
-/// the way, and so does whoever asks forms about the same rays.
+/// Limit of the precision. Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every
+/// decision rests on the sign of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids, cylinders) or
+/// twelve (cones). An interval of enough bits has zero width: for doubles at most 12·(1024 + 1074) + 24 < 25300 (the
+/// tests' worst needed 6144). For tori the degree is 34 or more, so that numbers whose exponents are some 700 apart may
+/// need more. The last precision tried is 24576; what it leaves open is `unresolved`. Code that finds many truths, or
+/// that asks forms about the same rays, checks `stop` on the way.
 struct TruthLimit {
     int bits = 32768;
     intersect::process::StopToken stop = {};
 };
 
-/// Only what lies in `range` counts, and the ray begins at its tmin: what a convention says of a ray's origin it says
-/// of that point (see `convention_in`). A range that holds no t meets nothing.
-/// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
-/// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
-/// solid with such a number, a sphere without a positive radius, a box with lo > hi, one under a singular matrix.
+/// Finds the truth of a ray. Only t in `range` counts, and the ray begins at its tmin: what a convention says of a
+/// ray's origin applies to that point (see `convention_in`). A range that holds no t meets nothing. `ray` and `solids`
+/// may be in any exact storage: double (which holds every format up to binary64) or Real (own inputs). A ray with a
+/// number that is not finite, or with a direction of zero, meets nothing. Nothing meets a primitive with such a number,
+/// a sphere without a positive radius, a box with lo > hi, or a primitive under a singular matrix.
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 
-/// Takes the truth about solid `i` into what is known of the solids before it.
+/// Merges the truth about solid `i` into `best`, the truth about the solids before it.
 void join(const Truth& of_one, int i, Truth& best);
 
 bool is_proper(const Ray<double>& ray);
@@ -78,7 +78,7 @@ inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLim
     return find_truth(ray, std::span(&solid, 1), limit, convention, range);
 }
 
-/// What is asked about: t*, in lengths of the direction as stored, or the distance t*·|d|.
+/// Length in question: t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
 inline Length length_of(intersect::Direction unit_of) {
     return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;

@@ -1,4 +1,4 @@
-// The truth of many rays at once, as columns: what a pack can prove is proved in packs, the rest ray by ray.
+// The truth of many rays at once, as columns: what packs can prove is proved in packs, the rest ray by ray.
 #pragma once
 
 #include <array>
@@ -16,30 +16,33 @@
 
 namespace lostbits::measure::truth {
 
-/// Rays, each with a solid of one shape: structure of arrays. A column has `size` numbers, or one, which is every
-/// ray's. S is float, for which the cheapest stage exists, or double.
+/// Rays, each with a primitive of one shape, as a structure of arrays. A column has `size` numbers, or one number for
+/// all rays. S is float, for which the cheapest stage exists, or double.
 template <class S>
 struct ProblemColumns {
     std::size_t size = 0;
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
-    Shape shape{};                          ///< one that a solid can have
-    /// As in `Solid::numbers`, empty beyond those of the shape; then those of the matrix, where `matrix` says so.
+    Shape shape{};                          ///< the shape of every primitive
+    /// Numbers as in `Solid::numbers`, empty beyond those of the shape; then the numbers of the matrix, where `matrix`
+    /// says so.
     std::array<std::span<const S>, most_stored> solid;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open = {};
     stages::UnderMatrix matrix = {};
-    /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
+    /// Second words: the exact numbers minus those above, to 2^-104 of these; all empty where the numbers above are
+    /// exact.
     std::array<std::span<const S>, 6> ray_low = {};
     std::array<std::span<const S>, most_stored> solid_low = {};
 };
 
-/// Whether the truth by a convention may be another than that of the closed solid, which the ray touches or starts on.
+/// True where the truth by a convention may differ from that of the closed primitive, which the ray touches or starts
+/// on.
 [[nodiscard]] constexpr bool matters(const intersect::Convention& convention, bool touches, bool on_surface) {
     return (convention.touching == intersect::Touching::miss && touches) ||
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
 }
 
-/// How closely a length must be known for what is measured against it.
+/// Accuracy of a length that a measurement needs.
 enum class Tightness {
     ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
     certified          ///< to `certified_tightness`, as by `find_truth`
@@ -52,7 +55,7 @@ struct ColumnTerms {
     TruthLimit limit = {};
 };
 
-/// How many rays each stage settled; that for ties is of two words, too.
+/// Number of rays that each stage settled; the stage for ties also uses two words.
 struct StageCounts {
     std::uint64_t binary64 = 0, double_double = 0, ball = 0, interval = 0;
 
@@ -63,25 +66,25 @@ struct StageCounts {
         interval += b.interval;
         return *this;
     }
-    /// A truth that no pack settled: by the precision that its proof took.
+    /// Counts a truth that no pack settled, by the precision that its proof took.
     void count_alone(const Truth& truth) { ++(truth.bits <= 106 ? ball : interval); }
     [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
 };
 
-/// What is known of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends: the binade of t* is
-/// proved. A miss and an unresolved ray have zeros there.
+/// Truth of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends: the binade of t* is proved.
+/// A miss and an unresolved ray have zeros there.
 struct TruthColumns {
     std::vector<Truth::Decision> decision;
     std::vector<double> hi, lo, bound;
-    /// The rays that no pack could settle, in rising order, with their whole truth. Where |t*| is neither 0 nor within
-    /// [2^-900, 2^900] the columns hold NaN, and this alone knows it.
+    /// Rays that no pack could settle, in rising order, with their complete truth. Where |t*| is neither 0 nor within
+    /// [2^-900, 2^900], the columns hold NaN and the value is only here.
     std::vector<std::pair<std::size_t, Truth>> alone;
     StageCounts stages;
 
     [[nodiscard]] std::size_t size() const { return decision.size(); }
 };
 
-/// Into `out`, whose memory is used again. `stages` is counted anew.
+/// Finds the truth into `out`, whose memory is reused. `stages` is counted from 0.
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
@@ -95,33 +98,33 @@ public:
     std::vector<Truth::Decision> decision;
     std::vector<std::int32_t> object;  ///< −1 for a miss
     Lengths t, distance;
-    /// The rays of which doubles do not hold all, in rising order: solids touched, an origin on a surface, lengths of 0
-    /// or out of range, nothing proved. Their `t.hi` is NaN.
+    /// Rays whose truth does not fit into doubles, in rising order: a touched primitive, an origin on a surface, a
+    /// length of 0 or out of range, or nothing proved. Their `t.hi` is NaN.
     std::vector<std::pair<std::size_t, Truth>> whole;
 
     void resize(std::size_t rays);
     [[nodiscard]] std::size_t size() const { return decision.size(); }
-    /// That of ray i, made anew from the columns: ask them where that is enough. Its `bits` are at least 106.
+    /// Truth of ray i, rebuilt from the columns; read the columns where they are enough. Its `bits` are at least 106.
     [[nodiscard]] Truth operator[](std::size_t i) const;
-    /// That of ray i where it is one of `whole`; else null.
+    /// Truth of ray i where it is one of `whole`; else null.
     [[nodiscard]] const Truth* find_whole(std::size_t i) const;
-    /// Into the columns; false where they do not hold all of it.
+    /// Stores a truth in the columns; false where they do not hold all of it.
     bool put(std::size_t i, const Truth& truth);
 };
 
-/// Rays, and which solids each can meet.
+/// Rays, and the primitives that each can meet.
 template <class S>
 struct RaysAndSolids {
     const scene::rays::BasicRayBlock<S>& rays;
     const scene::rays::SolidList<S>& solids;
-    const culling::SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
-    bool paired = false;                         ///< ray i can meet solid i alone; all are of one shape
+    const culling::SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every primitive
+    bool paired = false;                         ///< ray i can meet primitive i alone; all are of one shape
 };
 
-/// The truth of every ray among its solids, in parallel: the same decisions, hi and lo as by `find_truth`. How many
-/// pairs of a ray and a solid each stage settled.
+/// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.
+/// Returns how many pairs of a ray and a primitive each stage settled.
 StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out);
-/// Two words a number; what those do not enclose goes to the later stages.
+/// Uses two words a number; what those do not enclose goes to the later stages.
 StageCounts find_truths(const RaysAndSolids<Real>& problems, TruthLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

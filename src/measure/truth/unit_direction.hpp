@@ -12,7 +12,7 @@ namespace lostbits::measure::truth {
 /// d/|d|, each component correctly rounded to the format. Zero and non-finite directions give NaN.
 Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
 
-/// The same of many at once, as columns, in place.
+/// Makes many directions unit at once, as columns, in place.
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format);
 
 /// t |d|, rounded once to the format: the end of a range, for the direction of length one.
