@@ -208,7 +208,7 @@ async function reach({ open, lostbits }) {
     assert.equal(await page.locator("#operations table").count(), 0);
     const text = await page.locator("#operations p").innerText();
     assert.ok(text.includes(`does not hold the operations of pixel ${first.x + beside}, ${first.y}.`), text);
-    assert.match(text, /The nearest ray that it holds is 1 pixel away: pixel \d+, \d+ \(/);
+    assert.match(text, /The nearest ray whose operations it holds is 1 pixel away: pixel \d+, \d+ \(/);
     await page.locator("#copy-elsewhere").click();
     const command = await page.locator("#map-view pre.copied").innerText();
     assert.match(lostbits(...command.split(" ").slice(1)), /^sphere\.schoolbook in f32/);
