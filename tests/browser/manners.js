@@ -182,7 +182,7 @@ async function lines({ open }) {
     await settled(page);
     assert.equal(await page.evaluate(() => sweepParts.groups.length), before - 1);
     assert.match(await key(), /\(2 forms with the same values\)/);
-    assert.match(await key(), /shaded: an ulp of the distance is as wide as the sphere, or wider/);
+    assert.match(await key(), /shaded: an ulp of the distance is at least as wide as the sphere/);
     assert.match(await key(), /no value where fewer than 10 % of the hits agree/);
     const drawn = await page.evaluate(() => {
         const { plot, groups, now } = sweepParts, own = groups.findIndex((g) => g.rows.includes(now.chosen));
