@@ -158,7 +158,7 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
     const auto r =
         must("choose " + scene + " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker" + rest, scratch.path());
     CHECK(has(r.out, "mended.sphere_half_b_1 is sphere.half_b, "));
-    CHECK(has(r.out, "On rays on which nothing was searched: "));
+    CHECK(has(r.out, "On rays that the search did not use: "));
     int mended = 0;
     for (const auto& row : read_csv(scratch / "out" / scene / "choose.csv")) {
         const std::string form = row.at("form");
