@@ -139,7 +139,7 @@ function hold(ray, lostbits, options) {
     const asked = ["explain", ray.id, ...options, "--pixel", `${ray.x},${ray.y}`, "-i", ray.form, "-f", ray.format];
     const text = lostbits(...asked), { operations } = JSON.parse(lostbits(...asked, "--json"));
     // The page asks no other forms, so it has none that do better.
-    const lines = text.replace(/\n {54}/g, "   ").replaceAll(" Others do better, below.", "").split("\n");
+    const lines = text.replace(/\n {54}/g, "   ").replaceAll(" Other forms do better (see below).", "").split("\n");
     const table =
         lines.slice(lines.findIndex((line) => line.startsWith("  operation ")) + 1).filter((line) => / = /.test(line));
     assert.equal(ray.caption, `The ray of pixel ${ray.x}, ${ray.y}`);

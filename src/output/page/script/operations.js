@@ -81,7 +81,7 @@ function elsewhere(map, row, rays, x, y) {
     const says = row.formula ? " shows the operations of this ray." : " names forms that do better.";
     const parts = [
         row.formula ? `The page does not hold the operations of pixel ${x}, ${y}. ` :
-                      "A compiled function is a black box, so its operations are not known. ",
+                      "Its operations are not known, because a compiled function is a black box. ",
         make("code", explain), says, " ", ...copyButtons(mapParts.copied, ["copy-elsewhere", "copy it", () => explain])
     ];
     if (rays.length > 0) {
