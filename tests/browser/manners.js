@@ -104,7 +104,7 @@ async function halves({ open }) {
     const a = await boxOf(page, ".half.a"), b = await boxOf(page, ".half.b"), map = await boxOf(page, "#map");
     assert.ok(Math.abs(a.left - map.left) < 3 && Math.abs(b.right - map.right) < 3 && a.right < b.left);
     const pickers = await page.locator("#map-view .pickers").innerText();
-    assert.ok(pickers.includes("A: form") && pickers.includes("B: against"), pickers);
+    assert.ok(pickers.includes("A: form") && pickers.includes("B: compare with"), pickers);
     for (const [half, key] of [["A", "sphere.schoolbook.f32"], ["B", "sphere.unified.f64"]])
         assert.equal(await page.$eval(`.pane[data-row="${key}"]`, (e) => e.dataset.half), half);
     const inspector = await page.locator("#inspector").innerText();
@@ -181,8 +181,8 @@ async function lines({ open }) {
     });
     await settled(page);
     assert.equal(await page.evaluate(() => sweepParts.groups.length), before - 1);
-    assert.match(await key(), /\(2 forms, the same values\)/);
-    assert.match(await key(), /shaded: an ulp of the distance is as wide as the sphere, or wider/);
+    assert.match(await key(), /\(2 forms with the same values\)/);
+    assert.match(await key(), /shaded: an ulp of the distance is at least as wide as the sphere/);
     assert.match(await key(), /no value where fewer than 10 % of the hits agree/);
     const drawn = await page.evaluate(() => {
         const { plot, groups, now } = sweepParts, own = groups.findIndex((g) => g.rows.includes(now.chosen));

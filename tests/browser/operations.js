@@ -139,7 +139,7 @@ function hold(ray, lostbits, options) {
     const asked = ["explain", ray.id, ...options, "--pixel", `${ray.x},${ray.y}`, "-i", ray.form, "-f", ray.format];
     const text = lostbits(...asked), { operations } = JSON.parse(lostbits(...asked, "--json"));
     // The page asks no other forms, so it has none that do better.
-    const lines = text.replace(/\n {54}/g, "   ").replaceAll(" Others do better, below.", "").split("\n");
+    const lines = text.replace(/\n {54}/g, "   ").replaceAll(" Other forms do better (see below).", "").split("\n");
     const table =
         lines.slice(lines.findIndex((line) => line.startsWith("  operation ")) + 1).filter((line) => / = /.test(line));
     assert.equal(ray.caption, `The ray of pixel ${ray.x}, ${ray.y}`);
@@ -208,7 +208,7 @@ async function reach({ open, lostbits }) {
     assert.equal(await page.locator("#operations table").count(), 0);
     const text = await page.locator("#operations p").innerText();
     assert.ok(text.includes(`does not hold the operations of pixel ${first.x + beside}, ${first.y}.`), text);
-    assert.match(text, /The nearest ray that it holds is 1 pixel away: pixel \d+, \d+ \(/);
+    assert.match(text, /The nearest ray whose operations it holds is 1 pixel away: pixel \d+, \d+ \(/);
     await page.locator("#copy-elsewhere").click();
     const command = await page.locator("#map-view pre.copied").innerText();
     assert.match(lostbits(...command.split(" ").slice(1)), /^sphere\.schoolbook in f32/);

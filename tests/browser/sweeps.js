@@ -246,9 +246,9 @@ async function walk({ open, at }) {
     assert.equal((await press("ArrowRight")).line, "box.signs.f32");
     assert.equal((await press("ArrowDown")).v, 1);
     assert.match(
-        await page.locator("#sweep-facts caption").innerText(), /^box\.signs in f32, judged by the closed solid/);
+        await page.locator("#sweep-facts caption").innerText(), /^box\.signs in f32, judged by the closed primitive/);
     await page.selectOption("#pick-judged", "open");
-    assert.match(await page.locator("#sweep-facts caption").innerText(), /judged by the open solid/);
+    assert.match(await page.locator("#sweep-facts caption").innerText(), /judged by the open primitive/);
     assert.deepEqual(
         page.complaints.filter((c) => !c.startsWith("Canvas2D")), []);  // that one is about reading pixels back, here
 }

@@ -67,7 +67,7 @@ TEST_CASE("a claim that does not measure as stated fails, by name, with the wors
                                        {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
     const auto r = run("check c.toml --junit j.xml --export-json c.json --annotations github", scratch.path());
     CHECK(r.code == 1);
-    CHECK(has(r.out, "FAILED: expected to hold, does not: wrong (A sentence)"));
+    CHECK(has(r.out, "FAILED: expected to hold, but does not: wrong (A sentence)"));
     CHECK(has(r.out, "measured 1"));
     CHECK(has(r.out, "lostbits map camera-inside -i sphere.unit_half_b -f f32"));
     CHECK(has(r.out, "::error file="));

@@ -50,7 +50,7 @@ TEST_CASE("choose takes a length for a wish") {
     }
     const auto none = choose(scene + " --tolerance 0" + forms, scratch);
     CHECK(none.code == 1);
-    CHECK(has(none.out, "Nothing meets the wish. Nearest is"));
+    CHECK(has(none.out, "Nothing meets the requirement. The nearest is"));
     CHECK(has(none.out, "What limits it"));
     const auto both = choose(scene + " --tolerance 1 --bits 40" + forms, scratch);
     CHECK(both.code == 0);
@@ -84,7 +84,7 @@ TEST_CASE("choose ends with 1 where nothing meets the wish, and says what is in 
     const Scratch scratch;
     const auto bits = choose("near-benign --bits 30 -f f32", scratch);
     CHECK(bits.code == 1);
-    CHECK(has(bits.out, "Nothing meets the wish"));
+    CHECK(has(bits.out, "Nothing meets the requirement"));
     CHECK(has(bits.out, "f32 has 24 bits"));
     const auto decisions = choose("rtg-fig-7-3-4100-oblique --bits 1 -i sphere.schoolbook -f f32", scratch);
     CHECK(decisions.code == 1);

@@ -71,13 +71,13 @@ TEST_CASE("a number that moves out of its interval says whether the verdict stan
     const auto r = run("check '" + scratch.write("c.toml", text) + "'");
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: holds, but the number has changed: stands"));
-    CHECK(
-        has(r.out, "in [0.8, 0.9], measured 1; the sentence says > 0.5: the number has moved, and the verdict stands"));
-    CHECK(has(r.out, "FAILED: expected to hold, does not: falls"));
-    CHECK(has(r.out, "in [0.1, 0.2], measured 1; the sentence says < 0.5: the verdict does not follow any more"));
+    CHECK(has(r.out,
+              "in [0.8, 0.9], measured 1; the statement says > 0.5: the number has changed, but the verdict stands"));
+    CHECK(has(r.out, "FAILED: expected to hold, but does not: falls"));
+    CHECK(has(r.out, "in [0.1, 0.2], measured 1; the statement says < 0.5: the verdict no longer follows"));
     CHECK(has(r.out, "FAILED: refuted, but the number has changed: still"));
-    CHECK(has(r.out, "the sentence says = 0: the number has moved, and the verdict stands"));
-    CHECK(has(r.out, "FAILED: expected to hold, does not: describes"));
+    CHECK(has(r.out, "the statement says = 0: the number has changed, but the verdict stands"));
+    CHECK(has(r.out, "FAILED: expected to hold, but does not: describes"));
 }
 
 TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
@@ -91,7 +91,7 @@ TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
     const auto r = run("check '" + file + "' --junit '" + at("j.xml") + "' --export-csv '" + at("c.csv") +
                        "' --export-json '" + at("c.json") + "' --report '" + at("report") + "'");
     CHECK(r.code == 1);
-    const std::string counts = "from a source 1 holds, 1 is qualified, 1 is refuted; of our own 2 hold";
+    const std::string counts = "from a source: 1 holds, 1 is qualified, 1 is refuted; our own: 2 hold";
     CHECK(has(r.out, "5 verdicts confirmed, 1 failed\n" + counts + "\n"));
     const std::string xml = contents(at("j.xml"));
     CHECK(has(xml, "<property name=\"from a source\" value=\"1 holds, 1 is qualified, 1 is refuted\""));
@@ -115,7 +115,7 @@ TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
     const std::string document = contents(at("report") + "/README.md");
     CHECK(has(document,
               "6 claims, each a sentence or a part of one, of which 1 failed or could not be measured: " + counts));
-    CHECK(has(document, "The verdicts on 4 follow from what the sentence says of the number"));
+    CHECK(has(document, "The verdicts on 4 follow from what the statement says about the number"));
     CHECK(has(document, "| qualified: where the eye is outside | A sentence |"));
     CHECK(has(document, "false_miss_fraction = 1; says = 0 |"));
     CHECK(has(run("check '" + file + "' --filter d -v").out, "ok       d (holds): 1"));

@@ -174,7 +174,7 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     scratch.write("two/sub/u.csv", "y\n1\n");
 
     scratch.write("two/d.json", "{ }");
-    CHECK(has(compare().out, "one/d.json:1: bytes differ from byte 1 on; 2 != 3 bytes in all\n"));
+    CHECK(has(compare().out, "one/d.json:1: bytes differ from byte 1 on; 2 != 3 bytes in total\n"));
     scratch.write("two/d.json", "{}");
 
     write_png(scratch / "two/sub/p.png", 7);

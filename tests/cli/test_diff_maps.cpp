@@ -42,7 +42,7 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
           "  map sphere.press f32: lost_bits_p99 2 to 4.5\n"
           "  map sphere.press f32: ulp_error_max 5 to 10\n"
           // Where one side has no p99, and as many wrong decisions, nothing is said.
-          "not comparable in 1 row: as many wrong decisions, and only one side has a lost_bits_p99\n"
+          "not comparable in 1 row: as many wrong decisions, but only one side has a lost_bits_p99\n"
           "two is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by lost_bits_p99\n");
     const auto back = run("diff two one", scratch.path()).out;
     CHECK(
@@ -99,7 +99,7 @@ TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and o
     // As many wrong decisions: nothing says that they are of the same rays.
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,60,30,0,10,2\n");
     const std::string as_many = run("diff small" + forms, scratch.path()).out;
-    CHECK(has(as_many, "\nin 1 row both forms decide as many rays wrongly, perhaps not the same ones: "));
+    CHECK(has(as_many, "\nin 1 row both forms decide equally many rays wrongly, perhaps not the same ones: "));
     CHECK(has(as_many, "\nb.near is better in 1 row, "));
 }
 

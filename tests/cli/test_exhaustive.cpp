@@ -28,11 +28,11 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
     const std::string sentence =
         "all 65537 floats between 0x1.69p+10 (1444) and 0x1.6bp+10 (1452) were tried: sphere.schoolbook on the ray "
         "beside "
-        "decides rightly for every float up to 0x1.6a09eap+10 (1448.1549), and first fails at 0x1.6a09ecp+10 "
+        "decides correctly for every float up to 0x1.6a09eap+10 (1448.1549), and first fails at 0x1.6a09ecp+10 "
         "(1448.155): "
-        "a false hit; it decides wrongly for ";
+        "a false hit; it is wrong for ";
     CHECK(has(r.out, sentence));
-    CHECK(has(r.out, "sphere.hearn_baker on the ray beside decides rightly for every one of them\n"));
+    CHECK(has(r.out, "sphere.hearn_baker on the ray beside decides correctly for every one of them\n"));
     CHECK(has(r.out, "  131074 truths: "));
     const auto statements = read_csv(scratch / "s/statements.csv");
     REQUIRE(statements.size() == 4);
@@ -78,7 +78,7 @@ TEST_CASE("a convention of the file is said, and holds for what explains a float
     const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
     const auto r = must("sweep '" + file + "' -i sphere.schoolbook" + into(scratch, ""));
     CHECK(has(r.out,
-              "sphere.schoolbook, judged by the open solid, on the ray beside fails at the first of them already"));
+              "sphere.schoolbook, judged by the open primitive, on the ray beside already fails at the first of them"));
     const auto statements = read_csv(scratch / "s/statements.csv");
     CHECK(explained(statements[0].at("fault_explain"))["outcome"] == "false_hit");
 }

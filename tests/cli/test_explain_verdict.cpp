@@ -30,13 +30,13 @@ TEST_CASE("the verdict stands first, and where less than a bit is lost no operat
     CHECK(at(far_away, "\n* c  ") != std::string::npos);
     CHECK(has(far_away, "A first-order estimate has infinite terms"));
     const auto near = run("explain near-benign --pixel 100,128 -i sphere.unified").out;
-    CHECK(has(near, "No operation is to blame: what is lost is less than a bit."));
+    CHECK(has(near, "No operation is to blame: less than a bit is lost."));
     CHECK(has(near, "does better on this ray in this format"));
     CHECK_FALSE(has(near, "culprit"));
     CHECK_FALSE(has(near, "\n* "));
     const auto j = nlohmann::json::parse(run("explain near-benign --pixel 100,128 -i sphere.unified --json").out);
     CHECK(j["culprit"].is_null());
-    CHECK(j["sentence"] == "No operation is to blame: what is lost is less than a bit.");
+    CHECK(j["sentence"] == "No operation is to blame: less than a bit is lost.");
     CHECK(has(j["largest_sentence"], "The largest contribution is that of"));
 }
 
@@ -68,13 +68,15 @@ TEST_CASE("what the format cannot hold is nobody's rounding") {
 TEST_CASE("a hit of another solid than the ray meets first is said to be one, with the command for the right one") {
     const auto r = run("explain sphereflake-far --pixel 102,5 -i sphere.schoolbook -f f32");
     INFO(r.out.substr(0, 2000));
-    CHECK(has(r.out, "The wrong solid: the form hits solid 58865, but the ray first meets solid 0 (counted from 0)."));
-    CHECK(has(r.out, "\nOf the solids 0 to 66430, this is solid 58865.\n"));
+    CHECK(has(
+        r.out,
+        "The wrong primitive: the form hits primitive 58865, but the ray first meets primitive 0 (counted from 0)."));
+    CHECK(has(r.out, "\nOf the primitives 0 to 66430, this is primitive 58865.\n"));
     const auto at = r.out.find("lostbits explain --sphere=");
     REQUIRE(at != std::string::npos);
     const auto other = must(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));
     CHECK(has(other.out, "the true t is 306.782093"));
-    CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong solid"));
+    CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong primitive"));
 }
 
 TEST_CASE("the far side of a sphere in place of the near one is said to be a wrong root, chosen wrongly") {
@@ -83,7 +85,7 @@ TEST_CASE("the far side of a sphere in place of the near one is said to be a wro
                           "--ray=0x1.9c864cp-11,0x1.9c864cp-12,-0x1.f2779cp-12,-0x1.a1130ep-1,-0x1.50003ep-2,"
                           "0x1.e9c538p-2 -i sphere.unified -f f32")
                           .out;
-    CHECK(has(text, "A wrong root: the line crosses the same solid there, too."));
+    CHECK(has(text, "A wrong root: the line also crosses the same primitive there."));
     CHECK(has(text, "The culprit is t = select("));
     CHECK(has(text, "its wrong choice"));
 }
@@ -246,10 +248,11 @@ TEST_CASE("where rounding turned which of two solids comes first, that is said, 
         "-f "
         "f32";
     const std::string text = run(what).out;
-    CHECK(has(text,
-              "Rounding turned which solid comes first: without it solid 0 is hit at 6.635315565288782e-05, and "
-              "solid 1 is hit at 9.99264"));
-    CHECK(has(text, "The larger error is that of solid 0, which the command above explains."));
+    CHECK(
+        has(text,
+            "Rounding changed which primitive comes first: without it primitive 0 is hit at 6.635315565288782e-05, and "
+            "primitive 1 is hit at 9.99264"));
+    CHECK(has(text, "The larger error is that of primitive 0, which the command above explains."));
     CHECK_FALSE(has(text, "The decision is the same without rounding"));
 }
 
@@ -276,16 +279,15 @@ TEST_CASE("what only chose a branch is on the way to the answer") {
 TEST_CASE("explain asks the other ways to make a camera's ray, and says of which problem the envelope is") {
     const std::string what = "explain camera-far.gl --pixel 14,20 --size 48x48 -i sphere.unified@ray-three";
     const std::string text = run(what).out;
-    CHECK(has(text, "half an ulp in each number of the ideal ray and of the solid would cost"));
+    CHECK(has(text, "half an ulp in each number of the ideal ray and of the primitive would cost"));
     CHECK(has(text, "Better on this ray and around it: sphere.unified@ray-"));
     CHECK(has(text, " pixels: there sphere.unified@ray-three loses "));
     CHECK_FALSE(has(text, "No other form that was asked does better"));
     const std::string placed = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified@plain").out;
-    CHECK(has(placed, "half an ulp in each number of ray, solid and matrix as the world stores them would cost"));
-    CHECK(
-        has(placed,
-            "transform and form lose no more. The inputs are exact: wider arithmetic on them helps. Others do better, "
-            "below."));
+    CHECK(has(placed, "half an ulp in each number of ray, primitive and matrix as the world stores them would cost"));
+    CHECK(has(placed,
+              "transform and form lose no more. The inputs are exact: wider arithmetic on them helps. Other forms do "
+              "better (see below)."));
     CHECK(has(placed, "sphere.unified@relative (0.4 bits lost"));
 }
 

@@ -49,7 +49,7 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     const std::string junit = contents(scratch / "junit.xml");
     CHECK(has(junit, "<property name=\"moved\" value=\""));
     CHECK(has(junit, " before, "));
-    CHECK(has(junit, "not there before"));
+    CHECK(has(junit, "new, not in the earlier run"));
 }
 
 TEST_CASE("a baseline that is none, and options that need one, are refused") {
@@ -76,13 +76,13 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
         add(baseline.dump(), says);
     };
     change("id", good["claims"][0]["id"], "twice");
-    change("state", "splendid", "in the state \"splendid\", which no claim is ever in");
-    change("measured_hex", "0x1p99999", "\"0x1p99999\" is not a number that a double holds");
-    change("measured", 5, "someone has changed one of them");
-    change("measured", "nan", "someone has changed one of them");
-    change("quantity", 1, "a key is missing, or is of another type");
-    add("{\"schema\":\n  \"lostbits-baseline/1\",,", ".json:2:25: is not JSON from here on");
-    add("{}", "has no schema, where lostbits-baseline/1 is read");
+    change("state", "splendid", "in the state \"splendid\", which is not a state of claims");
+    change("measured_hex", "0x1p99999", "\"0x1p99999\" is not a number in the range of a double");
+    change("measured", 5, "one of the two was edited");
+    change("measured", "nan", "one of the two was edited");
+    change("quantity", 1, "a key is missing or has the wrong type");
+    add("{\"schema\":\n  \"lostbits-baseline/1\",,", ".json:2:25: not valid JSON from here on");
+    add("{}", "it has no schema, but only lostbits-baseline/1 can be read");
     check_refused(scratch, "check --filter 'float.*'", rows);
 }
 
@@ -95,7 +95,7 @@ TEST_CASE("a baseline of other claims, or of another quantity, is said to be one
     scratch.write("b.json", baseline.dump());
     const auto moved = run(check + place + "'");
     CHECK(has(moved.out, "1 measured value moved"));
-    CHECK(has(moved.out, "agrees, of another quantity"));
+    CHECK(has(moved.out, "agrees, but of another quantity"));
     for (auto& claim : baseline["claims"]) claim["id"] = "other." + claim["id"].get<std::string>();
     scratch.write("b.json", baseline.dump());
     CHECK(has(run(check + place + "'").out, "no claim is in both runs"));

@@ -94,7 +94,7 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
         attribute(read_part(file, "truth"), "lostbits:command") ==
         "lostbits map near-benign -i 'sphere.schoolbook' -i 'sphere.unit_half_b' -i 'sphere.schoolbook_strict' -f f32 "
         "-f f64 --exr --size 32x24");
-    CHECK(has(attribute(read_part(file, "truth"), "lostbits:objects"), "1 is solid 0"));
+    CHECK(has(attribute(read_part(file, "truth"), "lostbits:objects"), "1 is primitive 0"));
     CHECK(scratch.files().size() == 5);  // no picture but the sheet, unless it is asked for
 }
 

@@ -79,7 +79,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
         seen += pixel.at("outcome") == "double_hit";
     CHECK(seen == 9);
     const auto told = must("explain '" + scene + "' --pixel 4,4 -i triangle.woop -f f32");
-    CHECK(has(told.out, "Of the mesh this is a double hit: the form claims a triangle beside it too"));
+    CHECK(has(told.out, "In the mesh this is a double hit: the form also claims a neighbouring triangle"));
 }
 
 TEST_CASE("explain calls a ray at a mesh what a map calls it") {

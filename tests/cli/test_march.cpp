@@ -17,7 +17,7 @@ TEST_CASE("explain prints a march sample by sample") {
     // It stops short on purpose, and rounding costs less than a bit.
     CHECK(has(r.out, "\nThe march ended at sample 4 of at most 64, where the field is "));
     CHECK(has(r.out, "No operation is to blame: rounding inside the form makes "));
-    CHECK(has(r.out, "and the rest is where the march ended."));
+    CHECK(has(r.out, "and the rest comes from where the march ended."));
     CHECK_FALSE(has(r.out, "The culprit is"));
     CHECK_FALSE(has(r.out, "\n* "));
     CHECK_FALSE(has(r.out, "the formula loses"));

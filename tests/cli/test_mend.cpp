@@ -69,12 +69,12 @@ TEST_CASE("the page of a mended form has its sentences, its changed lines and th
     CHECK(expected.size() > 12);
     CHECK(shown == expected);
     CHECK(has(part, "<li>t1, t2 in double: "));
-    CHECK(has(part, " no wrong decision in place of " + rows.front().at("wrong") + "<"));
+    CHECK(has(part, " no wrong decision instead of " + rows.front().at("wrong") + "<"));
     CHECK(has(part, "<del>    - const T t1_2 = named(&quot;t1&quot;, "));
     CHECK(has(part, "<ins>    + const W t1_2 = named(&quot;t1&quot;, "));
     CHECK_FALSE(has(part, "named(\""));
     CHECK(has(part, "distance: holds up to "));
-    CHECK(has(part, "other pixels, on which nothing was searched"));
+    CHECK(has(part, "other pixels, which the search did not use"));
     CHECK(has(part, "data:image/png;base64,"));
     CHECK_FALSE(has(part, "ns a ray"));
     CHECK(has(page, "lostbits mend box-slabs "));
@@ -129,7 +129,7 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     const auto r = must(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());
     const std::string text = contents(scratch / "placed.hpp");
     CHECK(has(text, "const Sphere<T>& sphere, const std::array<T, 12>& matrix) {"));
-    CHECK(has(text, "// The matrix leads from the solid to the world, row by row.\n"));
+    CHECK(has(text, "// The matrix maps from the primitive to the world, row by row.\n"));
     CHECK(has(text, "M03"));
     CHECK_FALSE(has(text, "sphere.M"));
     if (!is_long()) return;  // compiling takes half a minute
@@ -158,7 +158,7 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
     const auto r =
         must("choose " + scene + " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker" + rest, scratch.path());
     CHECK(has(r.out, "mended.sphere_half_b_1 is sphere.half_b, "));
-    CHECK(has(r.out, "On rays on which nothing was searched: "));
+    CHECK(has(r.out, "On rays that the search did not use: "));
     int mended = 0;
     for (const auto& row : read_csv(scratch / "out" / scene / "choose.csv")) {
         const std::string form = row.at("form");

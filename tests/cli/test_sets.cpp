@@ -54,7 +54,7 @@ TEST_CASE("a hit of the wrong solid says which shape that has") {
     const auto wrong = must(ray + grazing + "-i sphere.schoolbook+box.signs");
     CHECK(has(wrong.out, "It is a "));
     CHECK(has(run(ray + "--ray=0,0,-900,0,0,1 -i sphere.unified+box.signs").out,
-              "It is a sphere, and sphere.unified is the form that is asked about it."));
+              "It is a sphere, which the form sphere.unified answers."));
     must("map spheres-on-floor -f f32 --size 64x32 -i sphere.schoolbook+box.signs" + into(scratch));
     const auto row = read_csv(scratch / "out/spheres-on-floor/summary.csv").front();
     CHECK(row.at("fault_outcome") == "false_hit");

@@ -157,9 +157,9 @@ TEST_CASE("standard output takes the table of a choice, of a mended form and of 
     CHECK(has(csv.err, "confirmed"));
     // A confirmed verdict may be that the sentence is wrong.
     CHECK(has(run("check --filter 'float.sum-2p24-f32,float.sum-2p25-f32'").out,
-              "2 verdicts confirmed, 0 failed\nfrom a source 1 holds, 1 is refuted\n"));
+              "2 verdicts confirmed, 0 failed\nfrom a source: 1 holds, 1 is refuted\n"));
     CHECK(has(run("check --filter float.sum-2p24-f32").out,
-              "1 verdict confirmed, 0 failed\nfrom a source 1 is refuted\n"));
+              "1 verdict confirmed, 0 failed\nfrom a source: 1 is refuted\n"));
 }
 
 TEST_CASE("JUnit says how long each claim took") {

@@ -14,7 +14,7 @@ TEST_CASE("plugin: explain says what an answer is worth, and no more of a form t
     const Scratch folder;
     const std::string ray = "explain --sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1 -f f32";
     const Outcome told = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
-    CHECK(has(told.out, "Its operations are not known, since it is compiled elsewhere"));
+    CHECK(has(told.out, "Its operations are not known, because a compiled function is a black box"));
     CHECK(has(told.out, "radius"));
     // Above the operations it has the words of the form that it copies.
     const Outcome own = run(ray + " -i sphere.schoolbook", folder.path());
@@ -57,7 +57,7 @@ TEST_CASE("plugin: explain says what a form that is named beside is worth, and y
         told(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
         "word.misses has another contract, so another answer is right for this ray. By its own: a correct miss.\n"));
     CHECK(has(told(ahead + " -i sphere.unified --beside box.signs"),
-              "box.signs is a form for another shape, and was not asked.\n"));
+              "box.signs is a form for another shape, so it was not asked.\n"));
 
     CHECK(has(told(ahead + " -i odd.predicate"), "odd.predicate answers yes, and the ray hits at 4.0"));
     CHECK(has(told("--sphere 0,0,0,1 --ray 2,0,-5,0,0,1 -i odd.predicate"),

@@ -286,7 +286,7 @@ int client_asks_for_offsets_and_a_choice(void) {
     HOLDS(lostbits_mend(scene, &wish, 0, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
     wish.tolerance = 0;
     HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_NO);
-    HOLDS(strstr(lostbits_result_text(result, 0), "Nothing meets the wish") != NULL);
+    HOLDS(strstr(lostbits_result_text(result, 0), "Nothing meets the requirement") != NULL);
     lostbits_result_free(result);
     lostbits_scene_free(scene);
     return 0;

@@ -1,4 +1,4 @@
-// The culprit of an explained ray in words.
+// Sentences about the culprit of an explained ray.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,7 +21,7 @@ using measure::blame::OperationError;
 
 namespace {
 
-/// Of an answer that is not finite: the input that the format already made infinite or NaN.
+/// For an answer that is not finite: a sentence on the input that the format already made infinite or NaN.
 std::optional<std::string> lost_input(const Explanation& x) {
     const NodeId subject = x.attribution.subject;
     if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
@@ -33,7 +33,7 @@ std::optional<std::string> lost_input(const Explanation& x) {
     return {};
 }
 
-/// What the rounding of the culprit goes through, and what was lost before.
+/// Sentence on the cancellation that amplifies the culprit's rounding, and on earlier errors of its operands.
 std::string amplifier_text(const Explanation& x, const OperationWords& words) {
     const NodeId amplifier = x.amplifier(x.attribution.culprit);
     if (amplifier == no_node) return "";
@@ -43,7 +43,7 @@ std::string amplifier_text(const Explanation& x, const OperationWords& words) {
     const auto& operands = a.operands;
     for (auto place = operands.begin(); place != operands.end(); ++place) {
         const NodeId operand = *place;
-        if (std::find(operands.begin(), place, operand) != place) continue;  // said, as of fma(b, b, c)
+        if (std::find(operands.begin(), place, operand) != place) continue;  // already named, as in fma(b, b, c)
         if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
         const std::string off = ulps_or_nothing(std::fabs(words.own_ulps(operand, words.of(operand).error)));
         if (!off.empty()) text += fmt::format("; {} was already off by {}", words.text().operand(operand), off);
@@ -51,7 +51,7 @@ std::string amplifier_text(const Explanation& x, const OperationWords& words) {
     return text + ". ";
 }
 
-/// Those that contribute as much as the culprit.
+/// Operations that contribute as much as the culprit.
 class EqualsText {
 public:
     EqualsText(const Explanation& x, const OperationWords& words)
@@ -62,16 +62,16 @@ public:
         opposite_ = static_cast<std::size_t>(std::ranges::count_if(equals_, is_opposite));
     }
 
-    /// Whether they and the culprit undo each other.
+    /// True if they and the culprit cancel each other.
     [[nodiscard]] bool cancel() const { return 2 * opposite_ == equals_.size() + 1; }
-    /// The culprit and they, added up.
+    /// Sum of the contributions of the culprit and these operations.
     [[nodiscard]] double sum() const {
         double sum = words_.contribution(x_.attribution.culprit);
         for (const NodeId i : equals_) sum += words_.contribution(i);
         return sum;
     }
 
-    /// The first of them: `b·b, a·c and 2 more`
+    /// Names of the first of them: `b·b, a·c and 2 more`.
     [[nodiscard]] std::string names() const {
         constexpr std::size_t most = 3;
         std::vector<std::string> named;
@@ -103,7 +103,7 @@ private:
     std::size_t opposite_;
 };
 
-/// Where the culprit and its equals undo each other: what the error is then, and the largest part of it.
+/// Text for a culprit that its equals cancel: the remaining error, and the largest part of it.
 std::string rest_text(const Explanation& x, const OperationWords& words) {
     const measure::blame::Attribution& a = x.attribution;
     const std::string undo = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
@@ -123,8 +123,8 @@ std::string rest_text(const Explanation& x, const OperationWords& words) {
 
 namespace {
 
-/// The error that the culprit makes by itself: a rounding, a wrong choice, or a step to the next number; of so many
-/// ulps, where that is a number.
+/// The error that the culprit itself makes: a rounding, a wrong choice, or a step to the next number; with its size in
+/// ulps if that is finite.
 std::string own_error(const Explanation& x, const OperationWords& words) {
     const NodeId culprit = x.attribution.culprit;
     const OperationError& e = words.of(culprit);
@@ -135,7 +135,7 @@ std::string own_error(const Explanation& x, const OperationWords& words) {
     return ulps.empty() ? what : fmt::format("{} of {}", what, ulps);
 }
 
-/// `is assigned 3940 ulp in t`, and which others contribute the same.
+/// `is assigned 3940 ulp in t`, and the operations that contribute the same.
 std::string shares_text(const Explanation& x, const OperationWords& words) {
     const measure::blame::Attribution& a = x.attribution;
     const std::string arrives =
@@ -166,8 +166,9 @@ std::string culprit_sentence(const Explanation& x) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node) {
         if (x.hit == a.exact_hit) return "Rounding changed no decision of the form, so no operation is to blame.";
-        return fmt::format("No operation is to blame alone: without rounding the form {}, and no comparison says why.",
-                           a.exact_hit ? "hits" : "misses");
+        return fmt::format(
+            "No single operation is to blame: without rounding the form {}, and no comparison shows why.",
+            a.exact_hit ? "hits" : "misses");
     }
     if (measure::blame::is_plain_miss(x.tape, a))
         return "Rounding changed no decision of the form, so no operation is to blame.";
@@ -177,7 +178,7 @@ std::string culprit_sentence(const Explanation& x) {
     const std::string what = words.text().definition(a.culprit);
     const bool blamed = operation_to_blame(x) != no_node;
     if (!std::isfinite(n.value) && !blamed && x.standing.outcome == measure::answer::Outcome::agree_hit)
-        return fmt::format("{} is {}, and so is the true t when it is rounded.", what, number_words(n.value));
+        return fmt::format("{} is {}, and so is the rounded true t.", what, number_words(n.value));
     if (std::isnan(n.value) && std::isnan(words.of(a.culprit).exact) && !blamed)
         return fmt::format(
             "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
@@ -187,7 +188,7 @@ std::string culprit_sentence(const Explanation& x) {
         return fmt::format("{} is {}. Everything after it follows from that.", what, number_words(n.value));
     if (measure::blame::is_on_purpose(n.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
-                           blamed ? "No rounding is to blame" : "The largest contribution is no rounding", what,
+                           blamed ? "No rounding is to blame" : "The largest contribution is not a rounding", what,
                            own_error(x, words), shares_text(x, words));
     return fmt::format("{}{} {}: its {} {}", amplifier_text(x, words),
                        blamed ? "The culprit is" : "The largest contribution is that of", what, own_error(x, words),

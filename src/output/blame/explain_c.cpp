@@ -41,7 +41,7 @@ private:
         if (std::isinf(v)) return v < 0 ? "-INFINITY" : "INFINITY";
         return file::hex(v) + (as_double ? "" : "f");
     }
-    /// A variable, or the digits of what depends on constants alone.
+    /// The name of a variable, or the digits of a value that depends only on constants.
     [[nodiscard]] std::string operand(NodeId i) const {
         if (!is_decision(x_.tape[i].op) && slice_.is_constant(i)) return literal(x_.tape[i].value, is_double(i));
         return text_.identifier(i);
@@ -75,12 +75,12 @@ private:
         return is_rounded && !wide_ ? fmt::format("rounded({}, 0)", value) : value;
     }
     void refuse(std::string_view what) const {
-        throw InputError(fmt::format("--c: {} has {}, which C has for float and double only; try -f f32 or f64",
+        throw InputError(fmt::format("--c: {} uses {}, which C has only for float and double; try -f f32 or f64",
                                      x_.form->info->name, what));
     }
 
-    /// What a sum, product, quotient or root leaves out is a double where nothing comes near to the ends of the range
-    /// (number/rounded.cpp).
+    /// The remainder of a sum, product, quotient or root is a double if no value comes near the ends of the range
+    /// (number/rounded.cpp). Throws InputError otherwise.
     void refuse_unsafe(NodeId i) const {
         const TapeNode& n = x_.tape[i];
         bool exact = std::isnan(n.value), safe = true;  // zeros, infinities and NaN round to themselves
@@ -148,8 +148,8 @@ private:
         return text + "int main(void) {\n";
     }
 
-    /// Computed, true and recorded are printed by one function of the program: the same bits are the same text, in
-    /// whatever way that machine's C library spells them.
+    /// One function of the program prints the computed, true and recorded t. The same bits therefore give the same
+    /// text, however that machine's C library spells them.
     [[nodiscard]] std::string closing() const {
         const NodeId t = x_.tape.outputs.t, hit = x_.tape.outputs.hit;
         const std::string recorded = literal(x_.tape[t].value, true);
@@ -163,7 +163,7 @@ private:
                                   x_.hit ? "" : "!", text_.identifier(hit));
     }
 
-    static constexpr std::string_view call = ": a call, which sums without rounding; this is what it gave";
+    static constexpr std::string_view call = ": a call, which sums without rounding; this is its result";
 
     const Explanation& x_;
     measure::blame::TapeText text_;

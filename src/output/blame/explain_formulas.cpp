@@ -14,7 +14,7 @@ using measure::blame::Explanation;
 
 namespace {
 
-/// FPBench's names: `(float e n)` has e exponent bits and n bits in all.
+/// FPBench's names: `(float e n)` has e exponent bits and n bits in total.
 std::string precision_name(const FloatFormat& f) {
     if (f == binary32) return "binary32";
     if (f == binary64) return "binary64";
@@ -23,7 +23,7 @@ std::string precision_name(const FloatFormat& f) {
     return fmt::format("(float {} {})", exponent_bits, exponent_bits + f.precision);
 }
 
-/// A double as an exact rational: integers of at most 53 bits and powers of two are all that it takes.
+/// A double as an exact rational, built from integers of at most 53 bits and powers of two.
 std::string rational(double x) {
     if (std::isnan(x)) return "NAN";
     if (std::isinf(x)) return x < 0 ? "(- INFINITY)" : "INFINITY";
@@ -57,7 +57,7 @@ public:
 
 private:
     [[nodiscard]] bool is_input(NodeId i) const { return x_.tape[i].op == TapeOp::input; }
-    /// What has a line of its own: every number that is computed; of the decisions those that are used again.
+    /// True for values with a line of their own: every computed number, and decisions that are used more than once.
     [[nodiscard]] bool is_bound(NodeId i) const {
         if (is_input(i)) return false;
         if (is_decision(x_.tape[i].op)) return slice_.uses[static_cast<std::size_t>(i)] > 1;
@@ -71,8 +71,8 @@ private:
         const TapeNode& n = x_.tape[i];
         if (n.op == TapeOp::call)
             throw InputError(fmt::format(
-                "--fpcore: {} settles this ray by a call that sums without rounding, and FPCore has operations of "
-                "formats alone; --json and --c say what the call gave",
+                "--fpcore: {} settles this ray by a call that sums without rounding, but FPCore has only operations "
+                "of formats; --json and --c give the result of the call",
                 x_.form->info->name));
         const FloatFormat& f = x_.tape.format_of(i);
         return measure::blame::filled(
@@ -117,9 +117,9 @@ std::string explain_latex(const Explanation& x) {
     const measure::blame::TapeText text(x.tape, x.names, measure::blame::TapeText::Style::latex);
     std::string form;
     for (const char c : x.form->info->name) form += c == '_' ? "\\_" : std::string(1, c);
-    std::string latex = fmt::format(
-        "% {} in {}; needs amsmath. Boxed: the culprit. Under braces: bits that cancel.\n\\begin{{align*}}\n",
-        x.form->info->name, x.format.name);
+    std::string latex =
+        fmt::format("% {} in {}; needs amsmath. Boxed: the culprit. Under braces: cancelled bits.\n\\begin{{align*}}\n",
+                    x.form->info->name, x.format.name);
     std::string lines;
     for (NodeId i = 0; i < x.tape.size(); ++i) {
         const measure::blame::OperationError& e = x.attribution[i];
@@ -133,7 +133,7 @@ std::string explain_latex(const Explanation& x) {
         if (culprit) right = fmt::format("\\boxed{{{}}}", right);
         lines += fmt::format("{}  {} &= {}", lines.empty() ? "" : " \\\\\n", text.shown(i), right);
     }
-    latex += lines.empty() ? "  & \\text{nothing is computed on the way to the answer}" : lines;
+    latex += lines.empty() ? "  & \\text{no operation leads to the answer}" : lines;
     return latex + "\n\\end{align*}\n";
 }
 

@@ -14,7 +14,7 @@ namespace {
 using Json = file::OrderedJson;
 using file::json_number;
 
-/// Of a number for which NaN stands for there being none: null then.
+/// A number, or null for NaN, which stands for a missing value.
 Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
 Json exact(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }

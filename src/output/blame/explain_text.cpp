@@ -17,7 +17,7 @@ using measure::blame::Explanation;
 
 namespace {
 
-/// Letters, not bytes.
+/// Number of letters, not of bytes.
 std::size_t width_of(const std::string& text) {
     return static_cast<std::size_t>(
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
@@ -28,7 +28,7 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
-/// `  o.x = 0x1p+0  1`, and last the range of the ray, where it is not all that lies ahead.
+/// `  o.x = 0x1p+0  1`, and last the range of the ray unless it is the whole half-line.
 std::string inputs_block(const Explanation& x) {
     std::string text, begin, end;
     std::size_t width = 0;
@@ -49,7 +49,7 @@ std::string inputs_block(const Explanation& x) {
 
 constexpr std::size_t widest_expression = 54;
 
-/// `* c       = ` and what it is, as wide as the columns of numbers allow.
+/// `* c       = ` and the expression, as wide as the columns of numbers allow.
 std::string left_of(const char* mark, const OperationRow& row) {
     std::string left = mark + padded(row.name, 7) + " = " + row.formula;
     if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
@@ -84,7 +84,7 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
     return text;
 }
 
-/// The comparisons without which a decision would be another: of what holds if either does, those that do.
+/// The comparisons that determine a decision. If either of two is enough, only those that hold.
 void add_deciding(const Explanation& x, const OperationWords& words, NodeId i, std::vector<NodeId>& found) {
     const TapeNode& n = x.tape[i];
     if (is_comparison(n.op)) {
@@ -98,7 +98,8 @@ void add_deciding(const Explanation& x, const OperationWords& words, NodeId i, s
     }
 }
 
-/// `disc < 1/1000: disc is 0.000147696701, ...`, each side that is not a plain constant, without rounding.
+/// `disc < 1/1000: disc is 0.000147696701, ...`: the comparison, and each side that is not a plain constant, without
+/// rounding.
 std::string comparison_text(const Explanation& x, const OperationWords& words, NodeId i) {
     std::vector<std::string> sides;
     for (const NodeId s : x.tape[i].operands) {
@@ -110,7 +111,7 @@ std::string comparison_text(const Explanation& x, const OperationWords& words, N
 }
 
 std::string model_sentence(const Explanation& x, const OperationWords& words) {
-    if (x.missed) return "";  // what the truth says is of another solid
+    if (x.missed) return "";  // the truth is about another primitive
     if (x.attribution.cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
@@ -131,7 +132,7 @@ std::string model_sentence(const Explanation& x, const OperationWords& words) {
 std::string sums_sentence(const Explanation& x, const OperationWords& words) {
     const measure::blame::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::blame::is_plain_miss(x.tape, a)) return "";
-    if (!std::isfinite(a.explained)) return "Some contributions are not finite, so that they have no sum.\n";
+    if (!std::isfinite(a.explained)) return "Some contributions are not finite, so they have no sum.\n";
     const double ulp = words.ulp(), rest = a.error - a.explained;
     std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp),
                                    short_number(a.error / ulp),
@@ -139,7 +140,7 @@ std::string sums_sentence(const Explanation& x, const OperationWords& words) {
                                        ? ""
                                        : fmt::format("; {} ulp belong to no operation", short_number(rest / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
-        // Infinite parts of both signs have no sum.
+        // Infinite terms of both signs have no sum.
         text += fmt::format(
             " A first-order estimate {} and is wrong here, so difference quotients are shown instead.",
             std::isfinite(a.first_order) ? "gives " + short_number(a.first_order / ulp) : "has infinite terms");
@@ -147,15 +148,16 @@ std::string sums_sentence(const Explanation& x, const OperationWords& words) {
     return text + "\n";
 }
 
-/// How much of the error is rounding's at all.
+/// Sentence on the part of the error that is due to rounding.
 std::string split_sentence(const Explanation& x, const OperationWords& words) {
     if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
-    if (operation_to_blame(x) == no_node) return "";  // said there
+    if (operation_to_blame(x) == no_node) return "";  // said in the verdict
     const double rounding = x.attribution.error / words.ulp();
     if (!std::isfinite(rounding) || !std::isfinite(x.standing.ulps)) return "";
     if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
     return fmt::format(
-        "Rounding inside the form makes {} of the {} ulp. The rest is there even without it, on the inputs as the "
+        "Rounding inside the form makes {} of the {} ulp. The rest is there even without rounding, on the inputs as "
+        "the "
         "format stores them.\n",
         short_number(rounding), short_number(x.standing.ulps));
 }
@@ -192,11 +194,11 @@ std::string sums_text(const Explanation& x, const OperationWords& words) {
 
 namespace {
 
-/// The numbers that the envelope moves: the numbers of the problem as it is stored, before any step of the form.
+/// The numbers that the envelope perturbs: those of the problem as it is stored, before any step of the form.
 std::string each_input(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
-    if (x.made_ray) return "half an ulp in each number of the ideal ray and of the solid";
-    return placed ? "half an ulp in each number of ray, solid and matrix as the world stores them"
+    if (x.made_ray) return "half an ulp in each number of the ideal ray and of the primitive";
+    return placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
                   : "half an ulp in each input";
 }
 
@@ -211,13 +213,13 @@ bool another_does_better(const Explanation& x) {
     });
 }
 
-/// Words for a loss that the envelope covers. It bounds no other form, which has the same exact numbers.
+/// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
     const char* const who = placed       ? "transform and form lose"
                             : x.made_ray ? "making the ray and the form lose"
                                          : "the formula loses";
-    const char* const others = another_does_better(x) ? " Others do better, below." : "";
+    const char* const others = another_does_better(x) ? " Other forms do better (see below)." : "";
     if (x.rounded_inputs && !x.made_ray) return "; input rounding alone explains this loss.";
     if (x.made_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
         return fmt::format("; {} no more than that.{}", who, others);
@@ -234,13 +236,13 @@ std::string envelope_sentence(const Explanation& x) {
         return std::isnan(x.condition)
                    ? "The ray hits nothing, so it has no condition number."
                    : fmt::format("{}: {} costs {:.1f} bits.", condition_words(x.condition), each_input(x), x.inherent);
-    if (!x.tells_t()) return "It tells no t, so it has no bits to lose.";
+    if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
         fmt::format("{}: {} would cost {:.1f} bits", condition_words(x.condition), each_input(x), x.inherent);
     if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";
     if (x.excess() < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)
-        return envelope + fmt::format(", but cannot move t so far; the formula loses {:.1f} bits.", x.excess());
+        return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess());
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
@@ -248,18 +250,18 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_of(x, march).text() + better_sentences(x) + "\n";
     if (x.solids > 1 && is_solid(x.form->shape))
-        text += fmt::format("Of the solids 0 to {}, this is solid {}.\n", x.solids - 1, x.solid);
+        text += fmt::format("Of the primitives 0 to {}, this is primitive {}.\n", x.solids - 1, x.solid);
     if (x.form->is_set())
-        text += fmt::format("It is a {}, and {} is the form that is asked about it.\n", name_of(x.shape),
-                            x.form->of(x.shape).info->name);
+        text +=
+            fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);
     if (x.judged)
         text +=
-            fmt::format("Judged by {} solids: what a ray only touches is a {}.\n", intersect::convention_name(x.judged),
-                        *x.judged == intersect::Touching::hit ? "hit" : "miss");
+            fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
+                        intersect::convention_name(x.judged), *x.judged == intersect::Touching::hit ? "hit" : "miss");
     if (x.rounded_inputs) {
         text += fmt::format(
             "{} cannot hold all of these numbers and gets them rounded, as below. The true t is that of the numbers as "
-            "given, so the error includes what rounding them costs (input error).\n",
+            "given, so the error includes the rounding of the inputs (input error).\n",
             x.format.name);
     }
     if (x.given) {
@@ -274,10 +276,11 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     if (march) text += march_samples(*march, x.format) + "\n";
     text += table(x, words, all) +
             fmt::format(
-                "\n{}- what is not on the way to the answer. What only decides which way is taken has no share. local: "
+                "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
+                "share. local: "
                 "bits that the operation alone loses on exact operands, "
                 "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
-                "operations: own times the difference quotient from there to the end.\n",
+                "operations: own times the difference quotient from there to the answer.\n",
                 operation_to_blame(x) != no_node ? "* marks the culprit, " : "");
     const std::string sums = sums_text(x, words);
     return text + (sums.empty() ? "" : "\n" + sums);

@@ -1,4 +1,4 @@
-// A march as a table that a person reads.
+// A march as a table of text.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,13 +25,13 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
     const measure::truth::Certified& t = ray.true_t(*form.info);
     const double ulps = measure::truth::ulp_error(log.hit.t, t, format.parameters);
     return fmt::format(
-        "The form reports a hit at {} ({}), and the true one is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
+        "The form reports a hit at {} ({}), and the true hit is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
         file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(true_t), ulps,
         measure::truth::lost_bits(ulps, format.parameters.precision), format.parameters.precision);
 }
 
-/// What became of a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are
-/// used` (behind `no step: t + d = t; ` where the march stands still: `Stop::stagnated`).
+/// Action at a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are used`
+/// (after `no step: t + d = t; ` if the march stands still: `Stop::stagnated`).
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
     if (step + 1 < log.steps.size())
         return log.steps[step].stands ? "no step: t + d = t"

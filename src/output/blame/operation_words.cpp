@@ -139,7 +139,7 @@ OperationRow row_of(const measure::blame::Explanation& x, const OperationWords& 
     return row;
 }
 
-/// The nodes that the table shows: of a march those of the last samples, unless all are asked for.
+/// The first node that the table shows. For a march it begins with the last samples, unless all are asked for.
 NodeId first_shown(const measure::blame::Explanation& x, bool all) {
     const auto& samples = x.tape.samples;
     return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
@@ -149,7 +149,7 @@ NodeId first_shown(const measure::blame::Explanation& x, bool all) {
 
 OperationTable operation_table(const measure::blame::Explanation& x, const OperationWords& words, bool all) {
     OperationTable table{.first = first_shown(x, all)};
-    // A row names other operations; each of those has a row too, of which the last come first to be looked at.
+    // A row names other operations, and each of them has a row too. The last operations are visited first.
     std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
     for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
         const auto place = static_cast<std::size_t>(i);

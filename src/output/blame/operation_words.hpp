@@ -1,4 +1,4 @@
-// What the table and the sentences of an explained ray say of its operations.
+// Names and numbers of the operations of an explained ray, for its table and sentences.
 #pragma once
 
 #include <functional>
@@ -11,37 +11,38 @@
 
 namespace lostbits::output::blame {
 
-/// Three digits; `nan` without the sign that says nothing and that machines choose differently.
+/// Three digits; `nan` without its sign, which has no meaning and differs between machines.
 std::string short_number(double x);
 
-/// A number in a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
+/// A number for a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
 std::string number_words(double x);
-/// `3.5 ulp`; of what is not finite nothing, as there is no such number of ulps.
+/// `3.5 ulp`; empty for a number that is not finite.
 std::string ulps_or_nothing(double ulps);
 
-/// A view of an explanation, with the names and the ulps of its operations.
+/// A view of an explanation with the names and the ulps of its operations.
 class OperationWords {
 public:
     explicit OperationWords(const measure::blame::Explanation& x);
 
     [[nodiscard]] const measure::blame::OperationError& of(NodeId i) const { return x_.attribution[i]; }
     [[nodiscard]] const measure::blame::TapeText& text() const { return text_; }
-    /// In ulps of the format at the value itself.
+    /// `error` in ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const;
-    /// In ulps of the subject.
+    /// Contribution of an operation in ulps of the subject.
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     /// `24 catastrophic`
     [[nodiscard]] std::string cancellation(NodeId i) const;
-    /// Says if the answer is computed from it: what only chose a branch, or was compared and not taken, too. Not what
-    /// stands on a side that was not taken, and of a miss not what only t is computed from.
+    /// True if the answer is computed from it, also if it only chose a branch, or was compared and not taken. False for
+    /// operations on a side that was not taken, and in a miss for operations that only t is computed from.
     [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
-    /// Whether the table has a row for it.
+    /// True if the table has a row for it.
     [[nodiscard]] bool is_shown(NodeId i, bool all) const;
-    /// The operations that its expression calls by their names.
+    /// Operations that its expression refers to by name.
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
-    /// Of the subject.
+    /// Ulp of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
-    /// What the contributions are to, in whose ulps they are: t, or what the decision compares.
+    /// Name of the value that contributions go to, and in whose ulps they are: t, or the value that the decision
+    /// compares.
     [[nodiscard]] std::string subject() const;
 
 private:
@@ -49,34 +50,35 @@ private:
     measure::blame::TapeText text_;
     double ulp_;
     std::vector<bool> on_way_;
-    std::map<std::string, std::vector<NodeId>, std::less<>> called_;  ///< operations by name; by a vector's all three
+    std::map<std::string, std::vector<NodeId>, std::less<>>
+        called_;  ///< operations by name; the name of a vector gives all three
 };
 
 /// A row of the table of operations.
 struct OperationRow {
     NodeId node = no_node;
-    /// False: of an earlier sample of a march, which another row names. Its values stand there alone.
+    /// False for an operation of an earlier sample of a march that another row names. Only its values are shown.
     bool whole = true;
-    bool culprit = false;     ///< and one worth its name
+    bool culprit = false;     ///< the culprit, if an operation is to blame
     bool turned = false;      ///< rounding chose the other side
-    bool on_purpose = false;  ///< no rounding: the form goes to the next number
+    bool on_purpose = false;  ///< not a rounding: the form goes to the next number
     bool aside = false;       ///< not on the way to the answer
     std::string name = {}, formula = {};
-    double computed = 0, exact = 0;  ///< of a decision 1 or 0
-    int digits = 0;                  ///< that tell numbers of its format apart; 0: a decision
-    /// How far off in ulps of its own, `24 catastrophic`, bits, its rounding in ulps of its own, and what is assigned
-    /// to that in ulps of the subject; empty where there is nothing to say.
+    double computed = 0, exact = 0;  ///< 1 or 0 for a decision
+    int digits = 0;                  ///< digits that tell numbers of its format apart; 0: a decision
+    /// Error in its own ulps, `24 catastrophic`, local bits, rounding in its own ulps, and the part of the subject's
+    /// error assigned to that rounding, in ulps of the subject. Empty if there is nothing to show.
     std::string off = {}, cancelled = {}, local = {}, own = {}, share = {};
 };
 
-/// The rows of the table: see `explain_text`. `first`: of the nodes from which it goes on, behind earlier samples.
+/// Rows of the table, see `explain_text`. `first` is the node where the last samples begin, after the earlier ones.
 struct OperationTable {
     NodeId first = 0;
     std::vector<OperationRow> rows = {};
 };
 OperationTable operation_table(const measure::blame::Explanation& x, const OperationWords& words, bool all);
 
-/// Digits that tell numbers of a format apart.
+/// Number of digits that tell numbers of a format apart.
 int digits_of(const FloatFormat& format);
 
 }  // namespace lostbits::output::blame

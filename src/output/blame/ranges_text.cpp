@@ -21,7 +21,7 @@ using file::json_number;
 
 constexpr std::size_t operations_shown = 8;
 
-/// Operations that round, those that make most of the bound first.
+/// Operations that round, those with the largest share of the bound first.
 std::vector<NodeId> by_share(const RangesBound& r) {
     std::vector<NodeId> all;
     for (std::size_t i = 0; i < r.shares.size(); ++i)
@@ -54,18 +54,20 @@ std::string seen_text(const SeenErrors& seen, const std::string& what) {
                     seen.hits, seen.bounded_hits, seen.error);
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
     if (seen.running_hits > 0)
-        text += fmt::format(" Running bounds of single rays are up to {:.3g}, and wider than that of the box for {}.",
-                            seen.running, seen.wider);
+        text += fmt::format(
+            " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
+            seen.running, seen.wider);
     return text + "\n";
 }
 
 std::string operations_block(const RangesBound& r) {
     const TapeText words(r.tape, r.names, TapeText::Style::pretty);
-    std::string text = fmt::format("In the box with the largest bound rounding puts t off by at most, in ulp:\n");
+    std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto all = by_share(r);
     for (std::size_t k = 0; k < std::min(all.size(), operations_shown); ++k)
         text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(all[k])], words.definition(all[k]));
-    if (all.size() > operations_shown) text += fmt::format("  and {} others less\n", all.size() - operations_shown);
+    if (all.size() > operations_shown)
+        text += fmt::format("  and {} other operations, by less\n", all.size() - operations_shown);
     return text;
 }
 
@@ -87,12 +89,13 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
                     request.format.name, request.id(), r.boxes, r.boxes == 1 ? "" : "es", ranges_block(r));
     if (request.is_of_step())
         text += fmt::format(
-            "These are the ranges of the {} rays of the step. Where they are drawn at random, others may lie beyond.\n",
+            "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             r.rays);
-    text += fmt::format("No hit in {:.3g} % of the ranges, a bound in {:.3g} %, and {:.3g} % are not settled. ",
-                        100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
-    text += fmt::format("In {:.3g} % rounding may turn hit or miss.\n", 100 * (r.undecided + r.unknown));
-    text += "Where there may be hits, rounding puts t off by at most\n";
+    text +=
+        fmt::format("No ray hits in {:.3g} % of the ranges, there is a bound in {:.3g} %, and {:.3g} % are undecided. ",
+                    100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
+    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided + r.unknown));
+    text += "Where rays may hit, rounding puts t off by at most\n";
     for (const auto& [share, error, ulps] : r.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
     if (r.unknown < 1 - r.missed)

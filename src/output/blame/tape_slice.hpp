@@ -1,4 +1,4 @@
-// The part of a tape that some of its values depend on.
+// The part of a tape on which some of its values depend.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,11 @@
 
 namespace lostbits::output::blame {
 
-/// What the roots are computed from, on both sides of every select; and which of it depends on constants alone.
+/// Values that the roots are computed from, on both sides of every select, and those of them that depend only on
+/// constants.
 struct TapeSlice {
     std::vector<bool> needed, constant;
-    std::vector<int> uses;  ///< by how many needed operations
+    std::vector<int> uses;  ///< number of needed operations that use each value
 
     TapeSlice(const Tape& tape, const std::vector<NodeId>& roots)
         : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {

@@ -1,4 +1,4 @@
-// What an explained ray comes to: the answer, whose the loss is, which operation, and what does better.
+// The verdict on an explained ray: the answer, the cause of the loss, the operation to blame, and forms that do better.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using measure::blame::Explanation;
 
 namespace {
 
-/// Of a form that answers yes or no.
+/// Sentence for a form that answers yes or no.
 std::string decision_sentence(const Explanation& x) {
     const Outcome o = x.standing.outcome;
     const bool yes = o == Outcome::agree_hit || o == Outcome::false_hit;
@@ -38,8 +38,8 @@ std::string outcome_sentence(const Explanation& x) {
     const double t = x.standing.t, true_t = x.true_t.value_or(0);
     if (!x.tells_t()) return decision_sentence(x);
     if (x.standing.outcome == Outcome::wrong_object)
-        return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
-                           number_words(t), number_words(true_t));
+        return fmt::format("{} reports a hit at {}, on another primitive than the one that the ray meets first, at {}.",
+                           form, number_words(t), number_words(true_t));
     const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
     if (!decided.empty()) return decided;
     if (!std::isfinite(x.standing.ulps))
@@ -48,17 +48,17 @@ std::string outcome_sentence(const Explanation& x) {
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
                        file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost,
                        x.format.parameters.precision,
-                       is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
+                       is_wrong_root(x) ? " A wrong root: the line also crosses the same primitive there." : "");
 }
 
-/// `beyond tmax = 3.9`, `before tmin = 5`; at an open end, or where the ray ends on a surface, `at tmax = 4`.
+/// `beyond tmax = 3.9`, `before tmin = 5`; at an open end, or if the ray ends on a surface, `at tmax = 4`.
 std::string outside_words(double t, const char* beyond, const char* name, double end, bool open) {
     if (t != end) return fmt::format("{} {} = {}", beyond, name, number_words(end));
     return fmt::format("at {} = {}, {}", name, number_words(end),
                        open ? "which is open" : "where touching is not a hit");
 }
 
-/// Of a ray that truly misses for its range alone: where it would be hit.
+/// For a ray that misses only because of its range: where it would hit.
 std::string range_sentence(const Explanation& x) {
     std::vector<std::string> lies;
     const auto add = [&](const std::optional<double>& t, const char* beyond, const char* name, double end, bool open) {
@@ -72,7 +72,8 @@ std::string range_sentence(const Explanation& x) {
     return fmt::format(" The exact hit {}{}.", lies.front(), lies.size() > 1 ? ", and that " + lies.back() : "");
 }
 
-/// The form hits another solid than the ray: which, what it says of the right one, and how to look at that.
+/// Text for a hit of another primitive than the ray's: which one, the form's answer for the right one, and the command
+/// that explains that.
 std::string wrong_solid_sentence(const Explanation& x) {
     const measure::blame::TrueSolid& missed = *x.missed;
     const std::string says = missed.hit ? fmt::format("a hit at {}, {}", number_words(missed.t),
@@ -83,31 +84,32 @@ std::string wrong_solid_sentence(const Explanation& x) {
         return x.form->is_set() ? fmt::format("{}, {}", solid, with_article(shape)) : std::to_string(solid);
     };
     return fmt::format(
-        "The wrong solid: the form hits solid {}, but the ray first meets solid {} (counted from 0). Of that solid "
-        "alone it reports {}. What follows is about solid {}; the other one: {}\n",
+        "The wrong primitive: the form hits primitive {}, but the ray first meets primitive {} (counted from 0). For "
+        "that primitive "
+        "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
         named(x.solid, x.shape), named(missed.solid, other), says, x.solid,
         explain_command(name_of_ray(&missed.alone), {&x.form->of(other), x.format, x.judged}));
 }
 
-/// How much of the error is rounding's, in ulps; NaN where that is not asked.
+/// Part of the error that is due to rounding, in ulps; NaN if that is not asked.
 double rounding_ulps(const Explanation& x) {
     if (x.standing.outcome != Outcome::agree_hit || !x.has_tape() || x.attribution.subject != x.tape.outputs.t)
         return NAN;
     return x.attribution.error / x.ulp_of_subject();
 }
 
-/// Whether less than a bit of the loss is rounding's: it makes less than an ulp, or without it more than half of the
-/// error would still be there.
+/// True if less than a bit of the loss is due to rounding: rounding makes less than an ulp, or without it more than
+/// half of the error would remain.
 bool rounds_little(const Explanation& x) {
     return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.standing.ulps) / 2);
 }
 
 bool is_not_roundings(const Explanation& x) { return x.standing.lost >= worth_saying && rounds_little(x); }
 
-/// Three digits of a number, or what it is in place of one.
+/// Three digits of a number, or the name of a number that is not finite.
 std::string size_words(double x) { return std::isfinite(x) ? short_number(x) : number_words(x); }
 
-/// Of an answer that a march gave, or did not reach.
+/// Sentence on an answer that a march gave or did not reach.
 std::string march_sentence(const Explanation& x, const MarchEnd& march) {
     const auto& [log, c] = march;
     const std::size_t samples = log.steps.size();
@@ -115,19 +117,19 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
     if (x.standing.outcome == Outcome::agree_hit) {
         const double short_of = x.standing.t - x.true_t.value_or(NAN);
         return fmt::format(
-            "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface, which is how it is "
-            "meant ({}), not what rounding lost.",
+            "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface. This is intended "
+            "({}) and not due to rounding.",
             samples, c.max_steps, size_words(d), size_words(std::fabs(short_of)), short_of < 0 ? "short of" : "behind",
             x.form->info->title);
     }
     if (x.standing.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
-            return fmt::format("The march used all its {} samples and was {} away from a surface then.", c.max_steps,
+            return fmt::format("The march used all its {} samples and was then {} away from a surface.", c.max_steps,
                                size_words(d));
         case Stop::stagnated:
             return fmt::format(
-                "The march stood still: a step of {} does not change t in {}, so that no further sample would help.",
+                "The march stood still: a step of {} does not change t in {}, so no further sample would help.",
                 size_words(d), x.format.name);
         case Stop::max_dist: return fmt::format("The march went past max_dist = {}.", file::decimal(c.max_dist));
         case Stop::hit: break;
@@ -135,7 +137,8 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
     return "";
 }
 
-/// Whose the loss is. `envelope_sentence` holds the problem against the formula; of a march neither may be to blame.
+/// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march neither may be to
+/// blame.
 std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& march) {
     const bool stopped = x.standing.outcome == Outcome::agree_hit && is_not_roundings(x) && x.excess() >= worth_saying;
     if (march && (stopped || x.standing.outcome == Outcome::false_miss)) {
@@ -145,22 +148,22 @@ std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& marc
     return envelope_sentence(x);
 }
 
-/// Another solid than the ray meets first, and not so without rounding.
+/// Text for a hit of another primitive than the ray meets first that rounding caused.
 std::string turned_order_sentence(const Explanation& x) {
     const measure::blame::Attribution& a = x.attribution;
     const auto exactly = [](bool hit, double t) {
         return hit ? fmt::format("is hit at {}", number_words(t)) : std::string("is missed");
     };
     const std::string order = fmt::format(
-        "Rounding turned which solid comes first: without it solid {} {}, and solid {} {}.", x.missed->solid,
-        exactly(true, x.missed->exact_t), x.solid, exactly(a.exact_hit, a[x.tape.outputs.t].exact));
+        "Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
+        x.missed->solid, exactly(true, x.missed->exact_t), x.solid, exactly(a.exact_hit, a[x.tape.outputs.t].exact));
     return order + (operation_to_blame(x) == no_node
-                        ? fmt::format(" The larger error is that of solid {}, which the command above explains.",
+                        ? fmt::format(" The larger error is that of primitive {}, which the command above explains.",
                                       x.missed->solid)
                         : " " + culprit_sentence(x));
 }
 
-/// Why the decision, or what is lost, is no operation's.
+/// Reason why no operation is to blame for the decision or the loss.
 std::string no_blame_sentence(const Explanation& x, bool marches) {
     const measure::blame::Attribution& a = x.attribution;
     const bool hit = x.standing.outcome == Outcome::agree_hit, right = x.standing.is_right();
@@ -172,27 +175,27 @@ std::string no_blame_sentence(const Explanation& x, bool marches) {
     if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
     if (x.standing.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.hit != a.exact_hit && a.cut_short)
-        return "No operation is to blame alone: without rounding the march would have gone on.";
-    if (!hit && turned) return "Its true answer is open, so no operation is to blame.";
+        return "No single operation is to blame: without rounding the march would have gone on.";
+    if (!hit && turned) return "The true answer is not proved, so no operation is to blame.";
     if (!hit) return "The decision is the same without rounding, so no operation is to blame.";
     if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.standing.lost < worth_saying) return "No operation is to blame: what is lost is less than a bit.";
-    if (!rounds_little(x)) return "No operation is to blame: none of their roundings reaches t.";
+    if (x.standing.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
+    if (!rounds_little(x)) return "No operation is to blame: none of the roundings reaches t.";
     const bool inputs = x.rounded_inputs && !(x.excess() >= worth_saying);
-    const char* const rest = x.missed  ? "the answer is of another solid"
+    const char* const rest = x.missed  ? "the answer is for another primitive"
                              : inputs  ? "the rest comes from inputs that the format cannot hold"
-                             : marches ? "the rest is where the march ended"
-                                       : "the rest is there without it, from what the form assumes";
+                             : marches ? "the rest comes from where the march ended"
+                                       : "the rest comes from what the form assumes";
     const std::string all = ulps_or_nothing(x.standing.ulps);
     return fmt::format("No operation is to blame: rounding inside the form makes {}{}, and {}.",
                        short_number(rounding_ulps(x)), all.empty() ? " ulp" : " of the " + all, rest);
 }
 
-/// The culprit, or why there is none to name.
+/// The culprit, or why there is none.
 std::string blame_sentence(const Explanation& x, bool marches) {
     if (!x.has_tape())
-        return "Its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
-               "see them (docs/your-own-form.md).";
+        return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
+               "number to see them (docs/your-own-form.md).";
     if (x.missed && x.rounding_turned_order()) return turned_order_sentence(x);
     if (operation_to_blame(x) == no_node) return no_blame_sentence(x, marches);
     const std::string alone = counterfactual_sentence(x);
@@ -207,32 +210,33 @@ std::string fares(const measure::blame::Standing& s) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
         case Outcome::not_a_number: return "a hit at NaN";
-        case Outcome::wrong_object: return "a hit of the wrong solid";
+        case Outcome::wrong_object: return "a hit of the wrong primitive";
         case Outcome::crack: return "a crack in the mesh";
         case Outcome::double_hit: return "a double hit";
-        case Outcome::wrong_neighbour: return "a hit of the triangle beside";
+        case Outcome::wrong_neighbour: return "a hit of the neighbouring triangle";
         case Outcome::out_of_order: return "two triangles out of order";
         case Outcome::unresolved: break;
     }
     return "its true answer could not be proved";
 }
 
-/// Of the forms that were named beside it what is not yet told as better.
+/// Forms named with `--beside` that are not already listed as better.
 std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& told) {
     std::string text;
     for (const measure::blame::Standing& s : x.beside) {
         const auto& name = s.form->info->name;
         if (s.other_question)
-            text += fmt::format("{} has another contract, so another answer is right for this ray. By its own: {}.\n",
-                                name, fares(s));
+            text += fmt::format(
+                "{} has another contract, so another answer is right for this ray. By its own contract: {}.\n", name,
+                fares(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
                                 s.around < x.standing.around ? ", by a bit or more" : "", fares(s));
     }
     for (const auto* form : x.unasked)
         text += !(form->shapes() == x.form->shapes())
-                    ? fmt::format("{} is a form for another shape, and was not asked.\n", form->info->name)
-                    : fmt::format("{} does not exist in {}, and was not asked.\n", form->info->name, x.format.name);
+                    ? fmt::format("{} is a form for another shape, so it was not asked.\n", form->info->name)
+                    : fmt::format("{} does not exist in {}, so it was not asked.\n", form->info->name, x.format.name);
     return text;
 }
 
@@ -262,7 +266,8 @@ std::string better_sentences(const Explanation& x) {
                            x.better.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
-            "Better on this ray and around it:{}{}.\nAround it are {}: there {} loses {:.1f} bits in the mean, a wrong "
+            "Better on this ray and around it:{}{}.\nAround it are {}: there {} loses {:.1f} bits on average, with a "
+            "wrong "
             "decision counted as all {}.\n",
             text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.standing.around,
             x.format.parameters.precision);
@@ -278,7 +283,7 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
             return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, number_words(true_t));
         case Outcome::not_a_number: return form + " reports a hit at NaN.";
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        default: return "";  // outcomes of a whole mesh: what is explained is an answer of one solid
+        default: return "";  // outcomes of a whole mesh: the explained answer is that of one primitive
     }
 }
 
@@ -310,22 +315,24 @@ NodeId operation_to_blame(const Explanation& x) {
 
 bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
 
-/// Of all triangles of a mesh together, which a map asks about: docs/meshes.md.
+/// Outcome for all triangles of a mesh together, as in a map: docs/meshes.md.
 std::string mesh_sentence(const Explanation& x) {
     switch (x.in_mesh.value_or(Outcome::agree_hit)) {
         case Outcome::crack:
-            return "Of the mesh this is a crack: the form claims neither the triangle that the ray meets first nor one "
-                   "beside it, and crosses the mesh an odd number of times less or more.\n";
+            return "In the mesh this is a crack: the form claims neither the triangle that the ray meets first nor a "
+                   "neighbour of it, and the number of crossings is wrong by an odd number.\n";
         case Outcome::double_hit:
-            return "Of the mesh this is a double hit: the form claims a triangle beside it too, where the ray crosses "
+            return "In the mesh this is a double hit: the form also claims a neighbouring triangle, although the ray "
+                   "crosses "
                    "the mesh once.\n";
         case Outcome::wrong_neighbour:
-            return "Of the mesh this is a wrong neighbour, and no wrong decision: the triangles share a vertex.\n";
+            return "In the mesh this is a wrong neighbour, which is not a wrong decision: the triangles share a "
+                   "vertex.\n";
         case Outcome::out_of_order:
-            return "Of the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
-                   "one, and its t there is not the smaller.\n";
+            return "In the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
+                   "one, but its t there is not the smaller one.\n";
         case Outcome::agree_hit:
-            return x.in_mesh ? "Of the mesh this is a correct hit: the ray meets both triangles at one t.\n" : "";
+            return x.in_mesh ? "In the mesh this is a correct hit: the ray meets both triangles at the same t.\n" : "";
         default: return "";
     }
 }

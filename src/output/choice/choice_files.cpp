@@ -19,28 +19,29 @@ using table::when;
 
 Table<Worth> worth_columns() {
     return {
-        {"rays", "integer", "", "whose truth is known", &Worth::rays},
+        {"rays", "integer", "", "rays whose truth is known", &Worth::rays},
         {"true_hits", "integer", "", "rays that truly hit", &Worth::hits},
-        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid", &Worth::wrong},
+        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another primitive", &Worth::wrong},
         {"wrong_fraction", "number", "1", "wrong/rays", &Worth::wrong_fraction},
-        {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits",
+        {"kept_bits", "number", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
          [](const Worth& w) { return number_or_missing(w.kept_bits); }}};
 }
 
 Table<CandidateRow> candidate_table() {
     using R = CandidateRow;
     Table<R> table;
-    table.add(speed::kernel_columns("form under test; file.NAME: the answers that the files of rays have"), &R::name);
-    table.add(
-        speed::time_columns("per ray and solid; median of the repetitions; missing: not known", "per ray and solid; "),
-        &R::time);
+    table.add(speed::kernel_columns("form under test; file.NAME: the answers in the files of rays"), &R::name);
+    table.add(speed::time_columns("per ray and primitive; median of the repetitions; missing: not known",
+                                  "per ray and primitive; "),
+              &R::time);
     table.add(worth_columns(), &R::worth);
     table.add({{"distance_error", "number", "length",
-                "how far the hit point is off along the ray, at the same share; missing: the wish has no tolerance",
+                "distance of the hit point from the true one along the ray, at the same share; missing: the "
+                "requirement has no tolerance",
                 [](const R& r) { return number_or_missing(r.worth->off); }},
-               {"meets", "boolean", "", "whether it meets the wish", &R::meets},
-               {"chosen", "boolean", "", "the cheapest that does", &R::chosen},
-               {"mended", "string", "", "what form was mended to it, and how; missing for a form as it is",
+               {"meets", "boolean", "", "true if it meets the requirement", &R::meets},
+               {"chosen", "boolean", "", "true for the cheapest that meets the requirement", &R::chosen},
+               {"mended", "string", "", "the form that was repaired, and how; missing for a form as it is",
                 [](const R& r) { return r.mended ? r.mended->how : ""; }}});
     return table;
 }
@@ -48,39 +49,43 @@ Table<CandidateRow> candidate_table() {
 Table<Room> room_table() {
     using measure::choice::End;
     Table<Room> table{
-        {"way", "string", "", "what grows: distance, radius, offset, view",
+        {"way", "string", "", "the quantity that grows: distance, radius, offset or view",
          [](const Room& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
-        {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is",
-         &Room::holds},
-        {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0",
+        {"holds", "number", "1",
+         "the largest factor at which the requirement was met; 0: not even by the scene as it is", &Room::holds},
+        {"value", "number", "",
+         "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
          [](const Room& r) { return when(r.holds != 0, r.value); }},
-        {"beyond", "number", "1", "the first factor seen beyond that; missing: none",
+        {"beyond", "number", "1", "the smallest larger factor that was tried; missing: none",
          [](const Room& r) { return when(r.beyond != 0, r.beyond); }},
         {"end", "string", "",
-         "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far "
+         "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
+         "none (as far "
          "as was "
          "tried)",
          [](const Room& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
-    return table.add<Worth>(
-        {{"wrong", "integer", "", "rays decided wrongly where it fails", &Worth::wrong},
-         {"rays", "integer", "", "of so many", &Worth::rays},
-         {"kept_bits", "number", "bits", "kept there", [](const Worth& w) { return number_or_missing(w.kept_bits); }},
-         {"distance_error", "number", "length", "off there; missing: the wish has no tolerance",
-          [](const Worth& w) { return number_or_missing(w.off); }}},
-        [](const Room& r) { return r.end == End::fails ? &r.broken : nullptr; });
+    return table.add<Worth>({{"wrong", "integer", "", "rays decided wrongly at the failing factor", &Worth::wrong},
+                             {"rays", "integer", "", "number of rays at the failing factor", &Worth::rays},
+                             {"kept_bits", "number", "bits", "bits kept at the failing factor",
+                              [](const Worth& w) { return number_or_missing(w.kept_bits); }},
+                             {"distance_error", "number", "length",
+                              "distance error at the failing factor; missing: the requirement has no tolerance",
+                              [](const Worth& w) { return number_or_missing(w.off); }}},
+                            [](const Room& r) { return r.end == End::fails ? &r.broken : nullptr; });
 }
 
 namespace {
 
 Table<SafeOffsetRow> offset_table() {
     using R = SafeOffsetRow;
-    return {{"side", "string", "", "outside: right for every ray away from the solid; both: also for those into it",
+    return {{"side", "string", "", "outside: right for every ray away from the primitive; both: also for rays into it",
              &R::side},
-            {"strategy", "string", "", "where the next ray starts", [](const R& r) { return r.safe.strategy->name; }},
-            {"operations", "integer", "", "that one new ray costs, as the rule is written",
+            {"strategy", "string", "", "rule for the start of the next ray",
+             [](const R& r) { return r.safe.strategy->name; }},
+            {"operations", "integer", "", "operations per new ray, as the rule is written",
              [](const R& r) { return r.safe.operations; }},
             {"oversize_p50", "number", "1",
-             "how many times longer than the smallest safe offset, the median; the larger of the sides; missing: none "
+             "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset "
              "is needed",
              [](const R& r) { return number_or_missing(r.safe.oversize); }}};
 }
@@ -104,24 +109,26 @@ Table<InputRow> input_table() {
     const auto form = [](const R& r) -> const std::optional<Worth>& { return r.trial->form; };
     const auto kept_bits = [](const Worth& w) { return number_or_missing(w.kept_bits); };
     Table<R> table{
-        {"origin", "string", "", "format that the origins of the rays come in; exact: not rounded",
-         format_of(Input::origin)},
-        {"direction", "string", "", "the same of their directions", format_of(Input::direction)},
-        {"place", "string", "", "the same of the centres of spheres and the corners of boxes", format_of(Input::place)},
-        {"radius", "string", "", "the same of the radii of spheres", format_of(Input::radius)}};
+        {"origin", "string", "", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
+        {"direction", "string", "", "format of the ray directions", format_of(Input::direction)},
+        {"place", "string", "", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
+        {"radius", "string", "", "format of the radii of spheres", format_of(Input::radius)}};
     return table
         .add<Worth>(
-            {{"rays", "integer", "", "whose truth is known", &Worth::rays},
+            {{"rays", "integer", "", "rays whose truth is known", &Worth::rays},
              {"exact_wrong", "integer", "",
-              "rays on which the truth of these inputs decides otherwise than that of the ideal ones", &Worth::wrong},
+              "rays on which the truth of these inputs decides differently from that of the ideal ones", &Worth::wrong},
              {"exact_kept_bits", "number", "bits",
-              "of 53: what exact arithmetic on these inputs keeps of the ideal truth, at the wish's share of the hits",
+              "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
+              "the hits",
               kept_bits}},
             exact)
-        .add<Worth>({{"f64_wrong", "integer", "",
-                      "rays that the form nearest to the wish decides wrongly, in f64 on these inputs", &Worth::wrong},
-                     {"f64_kept_bits", "number", "bits", "what it keeps there; missing: it was not asked", kept_bits}},
-                    form);
+        .add<Worth>(
+            {{"f64_wrong", "integer", "",
+              "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs", &Worth::wrong},
+             {"f64_kept_bits", "number", "bits", "bits that this form keeps on them; missing: not measured",
+              kept_bits}},
+            form);
 }
 
 plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
@@ -129,16 +136,16 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
     spec.subtitle = {
-        fmt::format("Wished: {}. {}.", in_words(wish),
+        fmt::format("Required: {}. {}.", in_words(wish),
                     chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
                                                chosen.all[*chosen.meets].row.format.name)
-                                 : "Nothing meets it"),
-        fmt::format("Time: {} of the rays against {} of the solids, median of {} of "
-                    "this run, bars from quartile to quartile. Named: the Pareto front, where fewer wrong "
-                    "decisions count before more bits, and what is chosen.",
+                                 : "Nothing meets the requirement"),
+        fmt::format("Time: {} of the rays against {} of the primitives, median of {} of "
+                    "this run, bars from quartile to quartile. Named: the Pareto front, on which fewer wrong "
+                    "decisions count before more bits, and the chosen form.",
                     chosen.timed.rays, chosen.timed.solids,
                     scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
-    spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
+    spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<speed::FrontPoint> points;
     for (std::size_t k = 0; k < chosen.all.size(); ++k) {
@@ -153,7 +160,7 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     speed::add_front(spec, points);
     spec.keys = {{"f32", 0, 0},
                  {"f64", 0, 1},
-                 {"decides more rays wrongly than wished", 0, plot::ink_colour, false, true},
+                 {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
     if (chosen.meets) spec.keys.push_back({"chosen", 3, plot::ink_colour});
     return spec;
@@ -169,15 +176,16 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
                   candidate_table()),
-      rooms_(folder, "room.csv", "One row per way in which the scene was stretched under what is chosen", room_table()),
-      offsets_(folder, "offset.csv", "One row per strategy of offset that is safe under what is chosen, cheapest first",
+      rooms_(folder, "room.csv", "One row per way of stretching the scene, for the chosen form", room_table()),
+      offsets_(folder, "offset.csv", "One row per offset strategy that is safe for the chosen form, cheapest first",
                offset_table()),
       inputs_(folder, "inputs.csv",
-              "Where nothing meets the wish: one row per choice of inputs that come in a wider format", input_table()),
-      requirement_(folder, "requirement.csv",
-                   "On how many pixels each form and format meets the wish, and on how many it is the cheapest; then "
-                   "formats under any form, and nothing",
-                   requirement_table()) {}
+              "If nothing meets the requirement: one row per selection of inputs in a wider format", input_table()),
+      requirement_(
+          folder, "requirement.csv",
+          "Number of pixels on which each form and format meets the requirement, and on which it is the cheapest; then "
+          "the same for formats under any form, and for none",
+          requirement_table()) {}
 
 std::vector<CandidateRow> candidate_rows(const Chosen& chosen) {
     const auto& wish = chosen.request.wish;
@@ -210,9 +218,9 @@ void ChoiceFiles::finish(const Chosen& chosen) {
         for (const auto& trial : chosen.obstacle->trials) inputs_.add({&*chosen.obstacle, &trial});
     write_front_plot(folder_ / "front.png", chosen);
     file::write_file(folder_ / "choose.txt", in_words(chosen));
-    table::close_tables(folder_,
-                        fmt::format("What meets a wish on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
-                        candidates_, rooms_, offsets_, inputs_, requirement_);
+    table::close_tables(
+        folder_, fmt::format("What meets a requirement on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
+        candidates_, rooms_, offsets_, inputs_, requirement_);
 }
 
 }  // namespace lostbits::output::choice

@@ -34,12 +34,12 @@ std::string width_of(const Candidate& c) {
     return c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa);
 }
 
-/// Whether the times of two differ by no more than each varies: their middle halves overlap.
+/// True if the times of two differ by no more than they vary: their middle halves overlap.
 bool is_as_fast(const Candidate& a, const Candidate& b) {
     return a.time.low_quartile <= b.time.high_quartile && b.time.low_quartile <= a.time.high_quartile;
 }
 
-/// Who else is as fast as the fastest; null for none.
+/// Another candidate as fast as the fastest; null for none.
 const Candidate* rival_of(const Candidate& fastest, const std::vector<Candidate>& all) {
     const Candidate* rival = nullptr;
     for (const Candidate& c : all) {
@@ -48,7 +48,7 @@ const Candidate* rival_of(const Candidate& fastest, const std::vector<Candidate>
     return rival;
 }
 
-/// Who was timed one ray at a time beside others in registers.
+/// Candidates that were timed one ray at a time while others filled registers.
 std::string unequal_widths(const std::vector<Candidate>& all) {
     constexpr std::size_t most = 6;
     std::string names;
@@ -61,7 +61,8 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
     if (scalar == 0 || wide.empty()) return "";
     if (scalar > most) names += fmt::format(" and {} more", scalar - most);
     return fmt::format(
-        "Timed one ray at a time, for they take no more: {}; the others in registers of {} bits. --single times all "
+        "Timed one ray at a time, because they take no more: {}; the others in registers of {} bits. --single times "
+        "all "
         "one ray at a time.\n",
         names, wide);
 }
@@ -79,13 +80,13 @@ std::string decisions(const Worth& worth) {
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
-/// What the form asks of its caller, or takes for granted; empty where that is nothing.
+/// Demands of the form on its caller; empty if there are none.
 std::string assumptions(const Info& info) {
     std::string words;
     const auto add = [&words](const char* more) { words += (words.empty() ? "" : ", ") + std::string(more); };
     if (info.direction == intersect::Direction::unit) add("directions of unit length");
     if (info.roots == intersect::Roots::near_only) add("rays that start outside");
-    if (info.touching == intersect::Touching::miss) add("a touch is a miss");
+    if (info.touching == intersect::Touching::miss) add("touching is a miss");
     if (info.formats == intersect::Formats::binary32_only) add("inputs and answers in binary32");
     return words;
 }
@@ -101,15 +102,15 @@ std::string broken_by(const Room& room, const Wish& wish, int precision) {
         return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", room.broken.wrong, rays,
                            room.broken.of_first, first);
     }
-    return std::isnan(room.broken.kept_bits) ? "no hit that form and truth agree on"
+    return std::isnan(room.broken.kept_bits) ? "no hit on which form and truth agree"
                                              : "keeping " + kept(room.broken, precision, wish);
 }
 
-/// `rays`: they come from files, and there is no camera.
+/// `rays`: they come from files, so there is no camera.
 const char* of_the_way(Growth way, bool rays) {
     switch (way) {
         case Growth::distance: return rays ? "the rays start" : "the camera is";
-        case Growth::radius: return "the solids are";
+        case Growth::radius: return "the primitives are";
         case Growth::offset: return "everything lies";
         case Growth::view: return "the view is";
     }
@@ -132,39 +133,38 @@ std::string room_in_words(const Room& room, const Chosen& chosen, int precision)
     const Wish& wish = chosen.request.wish;
     const bool rays = chosen.request.rays != nullptr;
     if (room.holds == 0) {
-        return fmt::format(
-            "in {} it is not known how far it holds: on the {} on which that is tried it fails as it is, by {}",
-            measure::choice::growth_names[static_cast<std::size_t>(room.way)],
-            rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
+        return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
+                           measure::choice::growth_names[static_cast<std::size_t>(room.way)],
+                           rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
     }
     const std::string until = fmt::format("until {} {}", of_the_way(room.way, rays), so_far(room, rays));
     return "holds " + until +
            end_in_words(room, chosen.request.rays, "; first broken by " + broken_by(room, wish, precision));
 }
 
-/// The cheapest place where the next ray may start.
+/// The cheapest safe start of the next ray.
 std::string next_ray(const Chosen& chosen) {
     if (!chosen.offsets || chosen.offsets->points == 0) return "";
     const auto& [outside, both, points, rays] = *chosen.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
-        return safe.empty() ? std::string("no strategy")
+        return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
                                           scene::toml::counted(safe.front().operations, "operation"));
     };
     return fmt::format(
-        "  The next ray, cheapest start that is right for all {} from {}: {} away from the "
-        "solid, {} also into it.\n",
+        "  Cheapest start of the next ray that is right for all {} from {}: {} for rays away from the primitive, {} "
+        "with rays into it.\n",
         scene::toml::counted(rays, "ray"), scene::toml::counted(points, "point"), cheapest_of(outside),
         cheapest_of(both));
 }
 
-/// What the files' own answers are worth.
+/// Accuracy of the answers in the files.
 std::string own_answers(const Chosen& chosen) {
     if (!chosen.request.rays || !chosen.request.rays->answers) return "";
     const auto& [name, format, worth] = *chosen.request.rays->answers;
-    return fmt::format("The answers that were there, {} in {}: {}, {}; {} the wish. Their time is not known.\n", name,
-                       format.name, kept(worth, format.parameters.precision, chosen.request.wish), decisions(worth),
-                       worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
+    return fmt::format("The answers in the file, {} in {}: {}, {}; {} the requirement. Their time is not known.\n",
+                       name, format.name, kept(worth, format.parameters.precision, chosen.request.wish),
+                       decisions(worth), worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
 }
 
 std::string costs(const Chosen& chosen, const Candidate& c) {
@@ -199,16 +199,17 @@ std::string nothing_meets(const Chosen& chosen) {
     const Candidate& near = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.wish)];
     const int precision = near.row.format.parameters.precision;
     std::string text =
-        fmt::format("Nothing meets the wish. Nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
+        fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
                     kept(near.worth, precision, chosen.request.wish), decisions(near.worth), nanoseconds(near));
     return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
 }
 
-/// What mending made of the forms that do not meet the wish.
+/// Results of repairing the forms that do not meet the requirement.
 std::string mended_in_words(const Chosen& chosen) {
     if (!chosen.mended) return "";
     if (chosen.mended->empty())
-        return "Mending gave nothing: every form here meets the wish already, or none could be mended to meet it.\n";
+        return "The repair gave no new form: each one here already meets the requirement, or cannot be repaired to "
+               "meet it.\n";
     const Wish& wish = chosen.request.wish;
     std::string text;
     for (const MendedCandidate& one : *chosen.mended) {
@@ -217,9 +218,9 @@ std::string mended_in_words(const Chosen& chosen) {
         const int precision = found->row.format.parameters.precision;
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how, kept(found->worth, precision, wish),
                             decisions(found->worth), nanoseconds(*found));
-        text += fmt::format("  On rays on which nothing was searched: {}, {}{}. Its file: {}\n",
+        text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
                             kept(one.apart, precision, wish), decisions(one.apart),
-                            one.apart.meets(wish) ? "" : ", which does not meet the wish", one.file);
+                            one.apart.meets(wish) ? "" : ", which does not meet the requirement", one.file);
     }
     return text;
 }
@@ -231,11 +232,11 @@ std::string end_in_words(const Room& room, const measure::choice::FileRays* rays
         case End::fails: return broken;
         case End::nothing_hit: return "; beyond that no ray hits anything";
         case End::other_scene:
-            return fmt::format("; beyond that {}, to which inputs are rounded, holds another scene",
+            return fmt::format("; beyond that, the scene rounded to {} is another scene",
                                rays ? rays->format.name : "binary32");
         case End::none: break;
     }
-    return ", which is as far as was tried";
+    return ", the largest change that was tried";
 }
 
 std::string bits_beside(double kept, const Wish& wish) {
@@ -258,7 +259,7 @@ std::string off_beside(double off, const Wish& wish) {
 }
 
 std::string in_words(const Wish& wish) {
-    // Of all the digits that were typed: p99.99999 is not every hit.
+    // All typed digits are shown, because p99.99999 is not every hit.
     const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", wish.quantile * 100);
     const std::string wrong = wish.wrong == 0
                                   ? "no wrong decision"
@@ -278,7 +279,7 @@ std::string in_words(const Chosen& chosen) {
         const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c),
                             kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
-        text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c), width_of(c));
+        text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), width_of(c));
         const std::string assumed = assumptions(*c.row.form->info);
         text += assumed.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
@@ -287,7 +288,7 @@ std::string in_words(const Chosen& chosen) {
     }
     if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
     text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
-    return text + fmt::format("Times are of this run: {} of the {} against {} of its solids.\n",
+    return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
                               scene::toml::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
                               chosen.timed.solids);
 }

@@ -22,7 +22,7 @@ std::string bits(double kept, const Wish& wish, double off = measure::truth::mis
     return std::isnan(kept) ? "no hit" : bits_beside(kept, wish) + " bits" + off_beside(off, wish);
 }
 
-/// What is kept, and the decisions where the wish minds them.
+/// Bits kept, and the wrong decisions if the requirement does not allow them.
 std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
     const std::string kept = bits(worth.kept_bits, wish, worth.off);
     if (worth.decides(wish)) return kept;
@@ -40,7 +40,7 @@ std::string inputs_in_words(const InputTrial& trial, std::string_view places) {
     return file::enumerated(names);
 }
 
-/// Which inputs would have to come in which format.
+/// The inputs that would have to be wider, and their format.
 std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Wish& wish = chosen.request.wish;
@@ -67,7 +67,7 @@ std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
         form_in_f64(trial));
 }
 
-/// The scene that is stored in binary32, held against the one that is written.
+/// Compares the scene stored in binary32 with the one that is written.
 std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Wish& wish = chosen.request.wish;
@@ -75,8 +75,9 @@ std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
     const Worth& exact = found.trials.front().exact;
     if (exact.meets(wish)) return "";
     return fmt::format(
-               "  Apart from that, all formats get the scene rounded to binary32, and the wish counts from there. "
-               "Compared with the scene as it is written, even exact arithmetic on it keeps {}.\n",
+               "  Apart from that, all formats get the scene rounded to binary32, and the requirement refers to this "
+               "scene. "
+               "Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
                kept_and_wrong(exact, wish)) +
            what_it_takes(chosen, near);
 }
@@ -105,8 +106,8 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
                              "  What limits it: the {}. None of the rays truly hits anything, so there is no t to "
                              "keep bits of.\n",
                              chosen.request.rays ? "file" : "scene")
-                       : "  What limits it is not known: only some of the rays were looked at for that, and none "
-                         "of these truly hits anything.\n";
+                       : "  What limits it is not known: only some of the rays were examined for that, and none "
+                         "of them truly hits anything.\n";
         case Obstacle::Cause::width:
             return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
                    of_the_rounded_scene(chosen, near);
@@ -119,17 +120,17 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
             return fmt::format(
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
                        "{:.1f} "
-                       "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact.{}\n",
+                       "of its {} bits and leave {}; any bits kept beyond that are due to inputs that are exact.{}\n",
                        format, precision - found.inherent_kept, precision, left, in_f64) +
                    of_the_rounded_scene(chosen, near);
         case Obstacle::Cause::formula: break;
     }
-    const char* const what = near.worth.decides(wish) ? "the formula" : "its decisions, by the formula";
+    const char* const what = near.worth.decides(wish) ? "the formula" : "its decisions, due to the formula";
     const std::string inputs =
         found.trials.empty() && !found.rounded_before
-            ? "How much the rounding of the inputs matters was not measured: there are too many solids"
+            ? "The effect of rounding the inputs was not measured, because there are too many primitives"
             : fmt::format(
-                  "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
+                  "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
                   "would leave {}",
                   format, left);
     return fmt::format("  What limits it: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);

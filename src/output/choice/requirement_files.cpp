@@ -21,23 +21,24 @@ table::Table<RequirementRow> requirement_table() {
     const auto share_of = [](std::uint64_t R::*count) {
         return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
     };
-    return {{"form", "string", "", "form under test; any: whichever of them; none: no form in no format", &R::form},
-            {"format", "string", "", "format of its inputs and answers; of any: the format that the form computes in",
+    return {{"form", "string", "", "form under test; any: any of the forms; none: no form in any format", &R::form},
+            {"format", "string", "", "format of its inputs and answers; for any: the format in which the form computes",
              &R::format},
-            {"time_ns", "number", "ns", "per ray and solid, median of this run; missing for an emulated format",
+            {"time_ns", "number", "ns", "per ray and primitive, median of this run; missing for an emulated format",
              &R::time_ns},
-            {"met", "integer", "", "pixels on which it meets the wish", &R::met},
+            {"met", "integer", "", "pixels on which it meets the requirement", &R::met},
             {"met_fraction", "number", "1", "met/pixels", share_of(&R::met)},
             {"required", "integer", "",
-             "of a form: pixels on which it is the cheapest that meets the wish; of a format: pixels on which it is "
-             "the narrowest in which any form does; of none: pixels on which nothing does",
+             "for a form: pixels on which it is the cheapest that meets the requirement; for a format: pixels on which "
+             "it is "
+             "the narrowest in which any form does; for none: pixels on which nothing does",
              &R::required},
             {"required_fraction", "number", "1", "required/pixels", share_of(&R::required)}};
 }
 
 namespace {
 
-/// So many choices have colours of their own; a picture with more is no answer.
+/// Number of choices with a colour of their own. A picture with more would not be readable.
 constexpr std::size_t most_colours = 10;
 
 std::string name_of(const Candidate& c) {
@@ -48,7 +49,7 @@ using pixel::colour_of;
 constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unknown = colour_of(Outcome::unresolved),
                colour_of_others = colour_of(Outcome::agree_hit);
 
-/// The candidates that some pixel takes, most pixels first.
+/// The candidates that some pixel requires, most pixels first.
 std::vector<std::size_t> most_taken(const Requirement& r) {
     std::vector<std::size_t> order;
     for (std::size_t c = 0; c < r.taken.size(); ++c) {
@@ -58,7 +59,7 @@ std::vector<std::size_t> most_taken(const Requirement& r) {
     return order;
 }
 
-/// What the picture shows of a place.
+/// Colours of the picture, and its legend.
 class Colours {
 public:
     Colours(const Chosen& chosen, const Requirement& r) : choices_(r.taken.size(), colour_of_others) {
@@ -78,7 +79,7 @@ public:
             formats_.push_back(image::distinct_colour(most_colours + f));
             add("right: " + r.formats[f].name, formats_.back(), r.needed[f], r);
         }
-        add("nothing meets it", colour_of_none, r.none_meets, r);
+        add("nothing meets the requirement", colour_of_none, r.none_meets, r);
         add("unresolved", colour_of_unknown, r.unknown, r);
     }
     [[nodiscard]] Rgb8 choice(int place) const { return at(choices_, place); }
@@ -125,10 +126,10 @@ void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, c
     image::HeatmapSpec spec;
     spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
     spec.subtitle = {
-        fmt::format("Wished at each pixel: the right decision, and {:g} correct bits of t where the ray hits{}",
+        fmt::format("Required at each pixel: the right decision, and {:g} correct bits of t if the ray hits{}",
                     wish.bits, wish.has_tolerance() ? fmt::format(", at most {} off", wish.tolerance) : ""),
-        "left: the cheapest form and format that does it, by the times of this run",
-        "right: the narrowest format in which any of the forms does it"};
+        "left: the cheapest form and format that meets this, by the times of this run",
+        "right: the narrowest format in which any of the forms meets this"};
     spec.width = 2 * r.width + gap;
     spec.height = r.height;
     spec.legend = colours.legend();
@@ -147,19 +148,19 @@ void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, c
 }
 
 std::string in_words(const Chosen& chosen, const Requirement& r) {
-    std::string text = "Pixel by pixel, under whichever form: ";
+    std::string text = "Pixel by pixel, with any of the forms: ";
     for (std::size_t f = 0; f < r.formats.size(); ++f) {
         text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(r.needed[f], r),
                             f == 0 ? "need no more than" : "need", r.formats[f].name);
     }
-    if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the wish", percent(r.none_meets, r));
-    if (r.unknown > 0) text += fmt::format(", of {} the truth is not proved", percent(r.unknown, r));
+    if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the requirement", percent(r.none_meets, r));
+    if (r.unknown > 0) text += fmt::format(", for {} the truth is not proved", percent(r.unknown, r));
     text += ".\n";
     const double least = r.least_time(chosen.all);
     const auto forms = most_taken(r).size();
     if (chosen.meets && forms > 1) {
         text += fmt::format(
-            "The cheapest at each pixel would be {} choices and {:.2f} times the time of this one: switching between "
+            "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between"
             "forms cannot gain more.\n",
             forms, least / chosen.all[*chosen.meets].time.median);
     }

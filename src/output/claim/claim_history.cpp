@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* baseline_schema = "lostbits-baseline/1";
 
-/// NaN is the same as NaN: there was nothing to measure.
+/// Compares bits. NaN equals NaN: nothing was measured.
 bool same_number(double x, double y) {
     return (std::isnan(x) && std::isnan(y)) || std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
 }
@@ -34,7 +34,7 @@ bool is_same(const MeasuredClaim& a, const MeasuredClaim& b) {
     return a.state == b.state && a.quantity == b.quantity && same_number(a.measured, b.measured);
 }
 
-/// `+0.38 %`; empty where there is no ratio.
+/// `+0.38 %`; empty if there is no ratio.
 std::string change_text(const ClaimMove& move) {
     if (!move.before || !move.now) return "";
     const double x = move.before->measured, y = move.now->measured;
@@ -47,7 +47,7 @@ std::string state_text(const ClaimMove& move) {
     if (!move.now) return "gone";
     const bool same = move.before->state == move.now->state;
     return (same ? move.now->state : move.before->state + " -> " + move.now->state) +
-           (move.before->quantity == move.now->quantity ? "" : ", of another quantity");
+           (move.before->quantity == move.now->quantity ? "" : ", but of another quantity");
 }
 
 std::string interval_text(const ClaimMove& move) {
@@ -63,7 +63,7 @@ std::string summary_text(const ClaimMoves& moves) {
     const std::size_t n = moves.moves.size();
     const bool foreign = n > 0 && moves.same == 0 &&
                          std::ranges::none_of(moves.moves, [](const auto& move) { return move.before && move.now; });
-    if (foreign) return "no claim is in both runs: the earlier one was of other claims, or --filter leaves its out";
+    if (foreign) return "no claim is in both runs: the earlier run had other claims, or --filter leaves them out";
     return n == 0 ? fmt::format("no measured value moved; {} {} the same", moves.same, moves.same == 1 ? "is" : "are")
                   : fmt::format("{} moved, {} {} the same", scene::toml::counted(n, "measured value"), moves.same,
                                 moves.same == 1 ? "is" : "are");
@@ -71,16 +71,16 @@ std::string summary_text(const ClaimMoves& moves) {
 
 constexpr const char* remedy = "name a file that `lostbits check --save` wrote";
 
-/// Says what is wrong with a file.
+/// Error that says what is wrong with a file.
 InputError wrong(const std::filesystem::path& path, const std::string& what) {
     return InputError(path.string() + ": " + file::terminal_line(what) + "; " + remedy);
 }
 
-/// Of a hexadecimal float, or `inf`, `-inf` and `nan`.
+/// Reads a hexadecimal float, or `inf`, `-inf` and `nan`.
 double number_in(const nlohmann::json& hex, const std::filesystem::path& path) {
     const auto& text = hex.get_ref<const std::string&>();
     const auto x = file::number_in(text);
-    if (!x) throw wrong(path, "\"" + text + "\" is not a number that a double holds");
+    if (!x) throw wrong(path, "\"" + text + "\" is not a number in the range of a double");
     return *x;
 }
 
@@ -92,14 +92,14 @@ MeasuredClaim claim_in(const nlohmann::json& json, const std::filesystem::path& 
                         .low = number_in(json.at("expected_hex").at(0), path),
                         .high = number_in(json.at("expected_hex").at(1), path)};
     if (std::ranges::find(state_names, claim.state) == state_names.end())
-        throw wrong(path,
-                    "has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
+        throw wrong(path, "it has the claim " + claim.id + " in the state \"" + claim.state +
+                              "\", which is not a state of claims");
     const auto& decimal = json.at("measured");
     const bool same = decimal.is_string() ? decimal.get<std::string>() == file::decimal(claim.measured)
                                           : same_number(decimal.get<double>(), claim.measured);
     if (!same)
-        throw wrong(path, "says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
-                              file::decimal(claim.measured) + ": someone has changed one of them");
+        throw wrong(path, "it says that " + claim.id + " measured " + decimal.dump() + " and, in hexadecimal, " +
+                              file::decimal(claim.measured) + ": one of the two was edited");
     return claim;
 }
 
@@ -151,7 +151,7 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
         const auto all = nlohmann::json::parse(text);
         const std::string schema = all.value("schema", "");
         if (schema != baseline_schema)
-            throw wrong(path, fmt::format("has {}, where {} is read",
+            throw wrong(path, fmt::format("it has {}, but only {} can be read",
                                           schema.empty() ? "no schema" : "the schema " + schema, baseline_schema));
         run.program = all.at("program").get<std::string>();
         run.compiler = all.at("compiler").get<std::string>();
@@ -160,22 +160,22 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
         for (const auto& claim : all.at("claims")) {
             run.claims.push_back(claim_in(claim, path));
             if (!ids.insert(run.claims.back().id).second)
-                throw wrong(path, "has the claim " + run.claims.back().id + " twice");
+                throw wrong(path, "it has the claim " + run.claims.back().id + " twice");
         }
     } catch (const nlohmann::json::parse_error& error) {
         const std::string_view before = std::string_view(text).substr(0, std::max<std::size_t>(error.byte, 1) - 1);
-        const auto line_begin = before.rfind('\n') + 1;  // of npos: 0
-        throw InputError(fmt::format("{}:{}:{}: is not JSON from here on; {}", path.string(),
+        const auto line_begin = before.rfind('\n') + 1;  // 0 if npos
+        throw InputError(fmt::format("{}:{}:{}: not valid JSON from here on; {}", path.string(),
                                      1 + std::ranges::count(before, '\n'), before.size() - line_begin + 1, remedy));
     } catch (const nlohmann::json::exception&) {
-        throw wrong(path, "cannot be read as a baseline: a key is missing, or is of another type");
+        throw wrong(path, "it is not a baseline: a key is missing or has the wrong type");
     }
     return run;
 }
 
 std::string ClaimMove::words() const {
-    if (!before) return "not there before";
-    if (!now) return "there before, not now";
+    if (!before) return "new, not in the earlier run";
+    if (!now) return "in the earlier run only";
     const std::string change = change_text(*this);
     return fmt::format("{} before, {} now{}, {}", measured_text(before), measured_text(now),
                        change.empty() ? "" : " (" + change + ")", state_text(*this));

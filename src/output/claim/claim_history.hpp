@@ -1,4 +1,4 @@
-// How what claims measure moved between two runs: two commits, compilers or drivers.
+// Changes of the measured values of claims between two runs: two commits, compilers or drivers.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,12 @@
 
 namespace lostbits::output::claim {
 
-/// What a claim measured in some run.
+/// The measurement of a claim in some run.
 struct MeasuredClaim {
     std::string id, quantity;
     std::string state;  ///< as in claims.csv
     double measured = 0;
-    double low = 0, high = 0;  ///< its interval
+    double low = 0, high = 0;  ///< expected interval
     friend bool operator==(const MeasuredClaim&, const MeasuredClaim&) = default;
 };
 
@@ -25,19 +25,20 @@ struct ClaimBaseline {
     std::vector<MeasuredClaim> claims = {};
 };
 
-/// The run that has just ended. `command` is what to type to do it again.
+/// The run that has just ended. `command` repeats it.
 ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
                           const std::vector<measure::claim::ClaimResult>& results, const std::string& program,
                           const std::string& command);
 
-/// JSON, `schema` `lostbits-baseline/1`: every number also as a hexadecimal float, which is what is read back.
+/// JSON, `schema` `lostbits-baseline/1`. Every number is also written as a hexadecimal float, which is the one that is
+/// read back.
 std::string baseline_text(const ClaimBaseline& baseline);
 void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline);
-/// InputError, with the path, for what is not such a file.
+/// Throws InputError, with the path, if the file is not a baseline.
 ClaimBaseline read_baseline(const std::filesystem::path& path);
 
-/// A claim in which two runs differ: in its number, to the last bit, or in what became of it; or that one of them
-/// lacks.
+/// A claim in which two runs differ: in its measured number, to the last bit, in its state, or because one run lacks
+/// it.
 struct ClaimMove {
     std::optional<MeasuredClaim> before, now;
 
@@ -48,13 +49,13 @@ struct ClaimMove {
 
 struct ClaimMoves {
     std::vector<ClaimMove> moves;  ///< in the order of the later run, then those that it lacks
-    std::size_t same = 0;          ///< claims that both have and that measure the same
+    std::size_t same = 0;          ///< claims that both runs have and that measure the same
 };
 ClaimMoves moves_between(const ClaimBaseline& before, const ClaimBaseline& now);
 
-/// For the terminal, a line a move with a heading; and what both runs are.
+/// Table of the changes for the terminal, and the two runs.
 std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, const ClaimMoves& moves);
-/// The same as Markdown, to be shown in a pull request.
+/// The same as Markdown, for a pull request.
 void write_moves(const std::filesystem::path& path, const ClaimBaseline& before, const ClaimBaseline& now,
                  const ClaimMoves& moves);
 

@@ -29,7 +29,7 @@ using scene::claim::SweepSubject;
 
 namespace {
 
-/// The scene of that name that claims are about; the first of its variants where none is named.
+/// The scene of that name that claims are about; the first of its variants if none is named.
 scene::file::Scene shown_scene(const std::string& name, const ClaimRequest& run) {
     const auto found = scene::file::find_scene(name, run.data_dir);
     return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
@@ -47,7 +47,7 @@ std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
     }
     std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const TestedForm& row) {
         const auto place = std::ranges::find(known, row.form->info, &intersect::table::Intersector::info);
-        return std::pair(place - known.begin(), row.form->info->name);  // what is made at run time comes last, by name
+        return std::pair(place - known.begin(), row.form->info->name);  // forms made at run time come last, by name
     });
     return rows;
 }
@@ -72,7 +72,8 @@ std::string sheet_of(const ShownSubject& shown, const Request& request, const ch
     return picture_link(request.scene.title, file);
 }
 
-/// The marches along a scene's first pixel, sample by sample, where all claims are about those; else its picture.
+/// The marches along a scene's first pixel, sample by sample, if all claims are about those; otherwise the picture of
+/// the scene.
 std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
     const std::vector<TestedForm> rows = rows_of(shown.claims);
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
@@ -96,7 +97,7 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
     return picture_link(scene.title, file);
 }
 
-/// The pictures of a rendered scene, of all stages that its claims name.
+/// The pictures of a rendered scene, with all stages that its claims name.
 std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     std::set<scene::file::Stage> stages;
@@ -104,7 +105,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
         stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{
         .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
-    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
+    // Every form in every format that a claim names. An empty cell on the sheet would look like a format that the form
     // lacks.
     const std::vector<TestedForm> claimed = rows_of(shown.claims);
     for (const TestedForm& a : claimed) {
@@ -117,7 +118,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
     return sheet_of<picture::RenderFiles>(shown, request, ".rendered.png", measure::picture::run_render);
 }
 
-/// The offsets of a scene: of each form, format and kind of point that its claims name.
+/// The offsets of a scene, for each form, format and kind of point that its claims name.
 std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     measure::offset::OffsetRequest request{.scene = scene,
@@ -136,7 +137,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
     return sheet_of<offset::OffsetFiles>(shown, request, ".offsets.png", measure::offset::run_offsets);
 }
 
-/// All checks of consistency of a scene.
+/// All consistency checks of a scene.
 std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     const std::vector<TestedForm> rows = rows_of(shown.claims);
@@ -148,7 +149,7 @@ std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) 
                                                    measure::consistency::run_consistency);
 }
 
-/// Which plots of a sweep its claims are about.
+/// The plots of a sweep that its claims are about.
 struct SweepPlots {
     bool median = false, tail = false, wrong = false;
 };
@@ -158,7 +159,7 @@ SweepPlots plots_of(const std::vector<const Claim*>& claims) {
     for (const Claim* const c : claims) {
         const std::string& what = c->onset.empty() ? c->metric : c->onset;
         const std::string& statistic = c->onset.empty() ? c->metric : c->statistic;
-        // Bits of an operation are lost bits somewhere.
+        // Bits of an operation are lost bits too.
         const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
         plots.wrong |= !bits;
         const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
@@ -173,7 +174,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     const auto& [folder, claims, run] = shown;
     const std::vector<TestedForm> rows = rows_of(claims);
     const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
-    // The claims are about small ranges; a picture would need the whole axis.
+    // The claims are about small ranges, but a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);

@@ -1,4 +1,4 @@
-// The claims as a document: README.md with every sentence, its verdict, its number and a picture of what it is about.
+// The claims as a document: README.md with every statement, its verdict, its number, and a picture of its subject.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,8 +18,7 @@ using scene::claim::Claim;
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        // One scene may be mapped for some claims, rendered for others, and the rays that leave it be the subject of
-        // more.
+        // One scene may have claims about its map, its rendering, and the rays that leave it.
         const std::string name = words_of(claims[i]).heading;
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
@@ -32,17 +31,17 @@ namespace {
 
 using State = ClaimResult::State;
 
-/// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
+/// Screenshots of `lostbits report` in the folder, which tests/browser/screenshots.js takes.
 std::string screenshots_in(const std::filesystem::path& folder) {
     std::string text;
-    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
+    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of two forms side by side, and one ray"},
                                      std::pair{"operations", "Culprits, and the operations of one ray"},
                                      std::pair{"sweeps", "Lost bits along a parameter"},
                                      std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
         const std::string file = fmt::format("screenshots/{}.png", name);
         if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
     }
-    return text.empty() ? "" : "\nIt looks like this:\n" + text;
+    return text.empty() ? "" : "\nThe page looks like this:\n" + text;
 }
 
 std::string in_code(const std::vector<std::string>& all) {
@@ -53,7 +52,7 @@ std::string in_code(const std::vector<std::string>& all) {
 
 std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
-/// ` (0.44 to 0.47 over 4 draws)`, or ` (in each of 4 draws)`; empty where nothing is random, or only one draw was
+/// ` (0.44 to 0.47 over 4 draws)`, or ` (in each of 4 draws)`; empty if nothing is random or only one draw was
 /// measured.
 std::string spread_text(const ClaimResult& r) {
     if (r.further.empty()) return "";
@@ -62,22 +61,22 @@ std::string spread_text(const ClaimResult& r) {
     return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
 }
 
-/// ` (95 %: 5.1 to 6.2)`: of a 99th percentile of random rays.
+/// ` (95 %: 5.1 to 6.2)`, for a 99th percentile of random rays.
 std::string bounds_text(const ClaimResult& r) {
     return r.bounds ? fmt::format(" (95 %: {} to {})", rounded(r.bounds->low), rounded(r.bounds->high)) : "";
 }
 
-/// What the random claims of a subject rest on.
+/// Number of random samples behind the claims of a subject.
 std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimResult>& results) {
     for (const std::size_t i : subject.claims) {
         if (results[i].is_drawn())
-            return fmt::format("*Random rays or numbers: each draw has {} independent samples.*\n\n",
+            return fmt::format("*The rays or numbers are random. Each draw has {} independent samples.*\n\n",
                                results[i].samples);
     }
     return "";
 }
 
-/// ` --seeds 3`: what made the draws.
+/// ` --seeds 3`: the option that made the draws.
 std::string draws_option(const std::vector<ClaimResult>& results) {
     std::size_t further = 0;
     for (const ClaimResult& r : results) further = std::max(further, r.further.size());
@@ -90,7 +89,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
             ? (c.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(c.verdict)))
         : r.state == State::skipped ? "skipped"
                                     : fmt::format("**{}**", changed_text(c, r));
-    // Expressions have stars.
+    // Expressions have stars, which Markdown would interpret.
     const std::string reach = r.state == State::agrees ? evidence_text(c, r) : "";
     const std::string all = floats_text(r) + (reach.empty() ? "" : file::markdown_text(reach)),
                       number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
@@ -113,16 +112,17 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t other = claims.size() - counts.all.confirmed();
     std::string text = fmt::format(
-        "# What the sources say, and what we measure\n\nMade by `lostbits check{} --report reports`; do not edit. {} "
-        "claims, each a sentence or a part of one{}: {}. A sentence is qualified that is true with a condition that "
+        "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. {} "
+        "claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition that "
         "its "
-        "source does not state. The verdicts on {} follow from what the sentence says of the number (\"says = 0\"); "
+        "source does not state. The verdicts on {} follow from what the statement says about the number (\"says = "
+        "0\"); "
         "the "
-        "others describe a number. Every number was measured by the run "
-        "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
-        "a browser, where each claim leads to its pixels or its plot.\n\nClaims about random rays were measured on "
-        "several draws of them: all must lie in the claim's interval, which is the range over 32 draws, and half as "
-        "much again on either side (in logarithms of onsets and fractions).\n{}",
+        "others only describe a number. Every number was measured by the run "
+        "that made this page; a test makes the page again and compares. `lostbits report` makes the same page for "
+        "a browser, where each claim links to its pixels or its plot.\n\nClaims about random rays were measured on "
+        "several draws. All must lie in the claim's interval, which is the range over 32 draws, widened by half "
+        "on either side (in logarithms for onsets and fractions).\n{}",
         draws_option(results), claims.size(),
         other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(),
         counts.all.with_criterion, screenshots_in(folder));

@@ -1,4 +1,4 @@
-// Claims in words: what was expected, measured and found, and how many hold.
+// Claims in words: expected and measured values, verdicts, and how many hold.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -56,26 +56,27 @@ std::string evidence_text(const Claim& c, const ClaimResult& r) {
     const bool found = c.verdict == Claim::Verdict::refuted;
     if (c.verdict == Claim::Verdict::qualified) return c.condition;
     if (r.evaluations > 0)
-        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse one found",
+        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse case found",
                            r.evaluations, file::decimal(r.measured));
     switch (c.evidence) {
         case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
-        case Evidence::exhaustive: return r.floats > 0 ? "" : "all that it speaks of was measured";
-        case Evidence::search: return found ? "by the worst that a search found" : "of the worst that a search found";
+        case Evidence::exhaustive: return r.floats > 0 ? "" : "every case that it speaks of was measured";
+        case Evidence::search:
+            return found ? "by the worst case that a search found" : "for the worst case that a search found";
         case Evidence::counterexample: return "by a counterexample";
-        case Evidence::sample: return "of what was measured, a sample";
+        case Evidence::sample: return "for a measured sample";
         case Evidence::none: break;
     }
     return "";
 }
 
-std::string says_text(const Claim& c) { return c.criterion ? "the sentence says " + c.criterion->text : ""; }
+std::string says_text(const Claim& c) { return c.criterion ? "the statement says " + c.criterion->text : ""; }
 
 namespace {
 
 using State = ClaimResult::State;
 
-/// Whether the verdict still follows from the criterion, for every draw; nothing where there is no criterion.
+/// True if the verdict still follows from the criterion for every draw; nothing if there is no criterion.
 std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
     if (!c.criterion || r.state != State::disagrees) return std::nullopt;
     const auto s = r.spread();
@@ -86,15 +87,14 @@ std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
 std::string fate_of_verdict(const Claim& c, const ClaimResult& r) {
     const auto still = stands(c, r);
     if (!still) return "";
-    return fmt::format(
-        "; {}: {}", says_text(c),
-        *still ? "the number has moved, and the verdict stands" : "the verdict does not follow any more");
+    return fmt::format("; {}: {}", says_text(c),
+                       *still ? "the number has changed, but the verdict stands" : "the verdict no longer follows");
 }
 
 }  // namespace
 
 std::string changed_text(const Claim& c, const ClaimResult& r) {
-    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, does not";
+    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, but does not";
     return fmt::format("{}, but the number has changed", name_of(c.verdict));
 }
 
@@ -160,8 +160,8 @@ std::string VerdictCounts::text() const {
 
 std::string CountsBySource::text() const {
     std::string text;
-    if (sourced.confirmed() > 0) text = "from a source " + sourced.text();
-    if (own.confirmed() > 0) text += (text.empty() ? "" : "; ") + ("of our own " + own.text());
+    if (sourced.confirmed() > 0) text = "from a source: " + sourced.text();
+    if (own.confirmed() > 0) text += (text.empty() ? "" : "; ") + ("our own: " + own.text());
     return text.empty() ? "no verdict is confirmed" : text;
 }
 

@@ -1,4 +1,4 @@
-// How texts speak of what a claim is measured on.
+// Names of the things that claims are measured on.
 #include <fmt/format.h>
 
 #include "measure/claim/claim_columns.hpp"
@@ -16,13 +16,14 @@ namespace {
 
 using namespace scene::claim;
 
-/// What differs from kind to kind. Behind the name of the subject: `kind` in a heading, `part` in a text.
+/// Words that differ from kind to kind. They follow the name of the subject: `kind` in a heading, `part` in a text.
 struct KindWords {
     std::string command, kind = {}, part = {}, place = {};
-    std::string at = {};  ///< of a place on axes its numbers, which follow the convention; `place` is empty
+    std::string at = {};  ///< numbers of a position on axes, which stand after the convention; `place` is empty
 };
 
-/// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
+/// ` --metric contribution:c` for a claim about contribution_c_p50: the option for a metric that a run measures only on
+/// request.
 std::string metric_option(const Claim& c) {
     if (!c.operations.empty()) return " --metric culprit";
     if (!measure::claim::asks_for_attribution(c)) {
@@ -36,14 +37,14 @@ std::string metric_option(const Claim& c) {
                : " --metric " + shell_word(fmt::format("{}:{}", metric.substr(0, label), metric.substr(label + 1)));
 }
 
-/// `options` of the command's own stand before those of the form, `more` behind them.
+/// A command: its own `options` stand before those of the form, and `more` after them.
 std::string asked(const Claim& c, const char* command, const std::string& options, const std::string& more = "") {
     return fmt::format("lostbits {} {}{} -i {} -f {}{} -o out", command, shell_word(c.subject_name()), options, c.form,
                        c.format, more);
 }
 
 std::string checked(const Claim& c, const char* options, const char* more) {
-    // In quotes always: what --filter takes is a glob.
+    // Always in quotes, because --filter takes a glob.
     const std::string id = c.id.find('\'') == std::string::npos ? "'" + c.id + "'" : shell_word(c.id);
     return fmt::format("lostbits check{}{} --filter {}{}", c.named ? " " + shell_word(c.where.source) : "", options, id,
                        more);

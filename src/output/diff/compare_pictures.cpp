@@ -54,7 +54,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
     }
 }
 
-/// Books another size; pixels of different sizes have nothing to be compared with.
+/// Records different sizes and returns false; pixels of different sizes cannot be compared.
 bool same_size(const auto& a, const auto& b, Ledger& ledger) {
     if (a.width == b.width && a.height == b.height) return true;
     ledger.add(0, [&] { return fmt::format("size: {}x{} != {}x{}", a.width, a.height, b.width, b.height); });
@@ -97,7 +97,7 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
 
 namespace {
 
-/// Adds what two parts of that name have to do with each other.
+/// Adds the result of comparing two parts of that name.
 void add_part(const std::string& name, Comparison part, Ledger& ledger) {
     Comparison& all = ledger.result;
     const std::string before = name.empty() ? "" : name + ": ";
@@ -121,7 +121,7 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
     const std::vector<std::string> left = image::image_backend().exr_parts(a),
                                    right = image::image_backend().exr_parts(b);
     const bool several = left.size() > 1 || right.size() > 1;
-    std::size_t last = 0;  // one past the place, in the second, of the part before
+    std::size_t last = 0;  // one past the index, in the second file, of the last part
     for (std::size_t p = 0; p < left.size(); ++p) {
         const auto found = std::ranges::find(right, left[p]);
         if (several && found == right.end()) {
@@ -131,7 +131,8 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
         const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
         if (q < last) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
         last = std::max(last, q + 1);
-        const ExrImage first = image::image_backend().read_exr(a, p);  // the first bad file is the one to name
+        const ExrImage first =
+            image::image_backend().read_exr(a, p);  // so that the first bad file is the one that is named
         add_part(several ? left[p] : "", compare(first, image::image_backend().read_exr(b, q), options), ledger);
     }
     for (const std::string& name : right) {

@@ -18,10 +18,10 @@ std::string in_words(std::string_view cell) {
     return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
 }
 
-/// For each of a list of distinct numbers, whether it is in one longest increasing subsequence: the others are the
-/// fewest that have to move to put the list in order.
-///
-/// Patience: `ends[k]` is where the increasing list of k + 1 numbers that ends lowest ends; n log n for n numbers.
+/// Marks which of a list of distinct numbers are in one longest increasing subsequence. The others are the fewest that
+/// have to move to sort the list.
+/// Patience sorting: `ends[k]` is the end of the increasing list of k + 1 numbers whose last number is smallest. Takes
+/// n log n steps for n numbers.
 std::vector<bool> in_order(const std::vector<std::size_t>& list) {
     constexpr std::size_t none = SIZE_MAX;
     std::vector<std::size_t> ends, before(list.size(), none);
@@ -36,14 +36,14 @@ std::vector<bool> in_order(const std::vector<std::size_t>& list) {
     return in;
 }
 
-/// A column of both tables.
+/// A column that both tables have.
 struct Pair {
     const CsvColumn *a, *b;
     const Tolerance* tolerance;
     bool as_text;
 };
 
-/// Books what the headers differ in and returns the columns of both, in the first's order.
+/// Records the differences of the headers and returns the columns of both, in the first table's order.
 std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
     std::vector<Pair> pairs;
     std::vector<std::size_t> places;

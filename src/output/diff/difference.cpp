@@ -19,16 +19,17 @@ Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0) {
         throw InputError(fmt::format(
-            "--tolerance {}: is not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+            "--tolerance {}: not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
     const auto read = [&text](const std::string& word) {
         const CellValue value = file::read_cell(word);
         if (value.kind == CellValue::Kind::number && !value.negative) return value;
-        throw InputError(fmt::format(
-            "--tolerance {}: \"{}\" is not a finite number of at least 0; write one, or use --ignore for the column",
-            text, word));
+        throw InputError(
+            fmt::format("--tolerance {}: \"{}\" is not a finite number of at least 0; write such a number, or leave "
+                        "the column out with --ignore",
+                        text, word));
     };
     return {text.substr(0, equals), read(numbers.substr(0, comma)),
             comma == std::string::npos ? read("0") : read(numbers.substr(comma + 1))};
@@ -45,7 +46,7 @@ Comparison compare_bytes(std::string_view a, std::string_view b) {
     const auto line = static_cast<std::size_t>(std::count(a.begin(), a.begin() + at, '\n')) + 1;
     result.count = 1;
     result.differences.push_back(
-        {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in all", at, a.size(), b.size())});
+        {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in total", at, a.size(), b.size())});
     return result;
 }
 
@@ -53,7 +54,7 @@ namespace {
 
 using Kind = CellValue::Kind;
 
-/// n · 10^exponent. Decimals and their differences and products are exact in it, so 0.4 and 0.3 are within 0.1.
+/// n · 10^exponent. Decimals and their differences and products are exact in this form, so 0.4 and 0.3 are within 0.1.
 struct Exact {
     boost::multiprecision::cpp_int n;
     int exponent = 0;
@@ -83,11 +84,12 @@ bool at_most(const Exact& a, const Exact& b) {
     return a.at(power) <= b.at(power);
 }
 
-/// 10^(m − 1) <= |v| < 10^m of a number that is not zero.
+/// m with 10^(m − 1) <= |v| < 10^m, for a number other than zero.
 int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
 
-/// Of two numbers of which one is zero or less than 10^-40 of the other, as long as the tolerance is not close to the
-/// larger: then |a − b| is the larger, to 40 digits. Exactly, `1e9999` and `1e-9999` would be 20 000 digits apart.
+/// Judges two numbers if one is zero or less than 10^-40 of the other, and the tolerance is not close to the larger
+/// one. |a − b| is then the larger number to 40 digits. The exact computation would need 20 000 digits for `1e9999` and
+/// `1e-9999`.
 std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, const Tolerance* tolerance) {
     constexpr int far = 40;
     if (x.digits.empty() && y.digits.empty()) return {};
@@ -98,7 +100,7 @@ std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, con
     if (tolerance == nullptr) return v;
     const CellValue& most = tolerance->absolute;
     const double relative = tolerance->relative.approximate();
-    // With m of the larger, |a − b| lies between 10^(m − 2) and 10^(m + 1).
+    // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
     const bool below = most.digits.empty() || magnitude(most) <= magnitude(larger) - 2;
     const bool above = !most.digits.empty() && magnitude(most) >= magnitude(larger) + 2;
     if (!above && relative < 2 && !(below && relative < 0.5)) return {};
@@ -120,7 +122,7 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
     const Exact larger = first ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
     PairVerdict v{.measured = true, .absolute = apart.approximate()};
     if (larger.n != 0) {
-        // Scaled to the larger, so that neither leaves the range of a double.
+        // Scaled to the larger number, so that neither leaves the range of a double.
         const int size = magnitude(first ? x : y);
         v.relative = apart.approximate(size) / larger.approximate(size);
     }

@@ -1,4 +1,4 @@
-// What comparing tables and comparing pictures share: what two values have to do with each other, and the books of it.
+// Parts shared by the comparison of tables and of pictures: judging two values, and recording the result.
 #pragma once
 
 #include <optional>
@@ -10,32 +10,32 @@
 
 namespace lostbits::output::diff {
 
-/// What two cells or samples that are not the same have to do with each other.
+/// Relation of two cells or samples that are not the same.
 struct PairVerdict {
     bool differs = false;
-    bool kinds = false;     ///< they are not both finite numbers
-    bool measured = false;  ///< they are, and these are their distances
+    bool kinds = false;     ///< at least one of them is not a finite number
+    bool measured = false;  ///< both are finite numbers, and these are their distances
     double absolute = 0, relative = 0;
 };
 
-/// Decimals are compared exactly; `as_text`: what is not the same text differs.
+/// Compares decimals exactly. `as_text`: any difference of the text counts.
 PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text);
-/// A cell as a double; NaN where it is not a finite number.
+/// A cell as a double; NaN if it is not a finite number.
 double number_in(std::string_view cell);
-/// `tolerance`: absolute and relative.
+/// `tolerance` is absolute and relative.
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance);
 
-/// ` (abs …, rel …)` where they were measured.
+/// ` (abs …, rel …)` if the distances were measured.
 std::string distances(const PairVerdict& v);
 
-/// The tolerance of a column or channel: the last that names it; null where none does.
+/// Tolerance of a column or channel: the last one that names it; null if none does.
 const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options);
 bool ignores(const CompareOptions& options, const std::string& name);
 
-/// Text in a message: in quotes, and whatever would break the line or the terminal escaped.
+/// Quotes text for a message, and escapes what would break the line or the terminal.
 std::string in_quotes(std::string_view text);
 
-/// Where differences are entered.
+/// Collects differences.
 struct Ledger {
     const CompareOptions& options;
     Comparison result;
@@ -45,7 +45,7 @@ struct Ledger {
     }
 };
 
-/// Books a verdict under its column; says whether it is a difference.
+/// Records a verdict under its column; returns true if it is a difference.
 inline bool book(ColumnDifference& column, const PairVerdict& v, const auto& make_place) {
     column.count += v.differs;
     column.kinds += v.differs && v.kinds;

@@ -31,18 +31,18 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
     const file::CsvColumn *const x = table.find("x"), *const y = table.find("y"),
                                  *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
     if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
-        refuse(path, "has not the columns x, y, outcome and lost_bits of a map's pixels");
+        refuse(path, "it does not have the columns x, y, outcome and lost_bits of a map's pixels");
     const auto number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
     PixelField field;
     field.width = static_cast<int>(number(x->cells.back())) + 1;
     field.height = static_cast<int>(number(y->cells.back())) + 1;
     if (static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height) != table.rows())
-        refuse(path, "does not hold every pixel of a picture, row by row");
+        refuse(path, "it does not hold every pixel of a picture, row by row");
     for (std::size_t r = 0; r < table.rows(); ++r) {
         const auto found = std::ranges::find(outcome_names, outcome->cells[r]);
-        if (found == outcome_names.end()) refuse(path, "has an outcome that is none");
+        if (found == outcome_names.end()) refuse(path, "it has an unknown outcome");
         field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
-        // As an EXR holds it, so that both give one picture.
+        // Rounded as in an EXR, so that both give the same picture.
         const double bits = lost->cells[r].empty() ? none : number(lost->cells[r]);
         field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
     }
@@ -52,17 +52,17 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
 PixelField pixels_of_part(const std::filesystem::path& path, const ExrImage& part) {
     const image::ExrChannel *const outcome = part.find("class.outcome"), *const lost = part.find("bits.lost");
     if (outcome == nullptr || lost == nullptr || outcome->samples.index() != 1 || lost->samples.index() != 0)
-        refuse(path, "has not the channels class.outcome and bits.lost of a map");
+        refuse(path, "it does not have the channels class.outcome and bits.lost of a map");
     PixelField field{part.width, part.height, {}, {}};
     for (const std::uint32_t code : std::get<1>(outcome->samples)) {
-        if (code >= outcome_names.size()) refuse(path, "has an outcome that is none");
+        if (code >= outcome_names.size()) refuse(path, "it has an unknown outcome");
         field.outcome.push_back(static_cast<std::uint8_t>(code));
     }
     for (const float bits : std::get<0>(lost->samples)) field.lost.push_back(static_cast<double>(bits));
     return field;
 }
 
-/// The class of a pixel; nothing for two agreed hits, which have a difference.
+/// Class of a pixel; nothing for two agreed hits, which have a difference of bits.
 std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
     const auto hit = static_cast<std::uint8_t>(Outcome::agree_hit),
                miss = static_cast<std::uint8_t>(Outcome::agree_miss);
@@ -101,8 +101,8 @@ std::vector<Rgb8> difference_ramp() {
 void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
                      const DifferenceWords& words) {
     if (a.width != b.width || a.height != b.height)
-        throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with one --size", words.title,
-                                     a.width, a.height, words.first, b.width, b.height, words.second));
+        throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with the same --size",
+                                     words.title, a.width, a.height, words.first, b.width, b.height, words.second));
     double largest = 1;
     std::array<std::uint64_t, pixel_class_colours.size()> counts{};
     std::uint64_t more = 0, fewer = 0, hits = 0;
@@ -117,7 +117,7 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
         fewer += difference < 0;
         largest = std::max(largest, std::fabs(difference));
     }
-    const std::array<std::string, 4> names{"both miss, rightly", "wrong in both", "wrong only in " + words.second,
+    const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + words.second,
                                            "right only in " + words.second};
     std::vector<image::LegendEntry> widest, legend;
     for (std::size_t c = 0; c < names.size(); ++c) {
@@ -126,16 +126,16 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
     }
     const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
     image::HeatmapWriter picture(
-        path,
-        {.title = words.title,
-         .subtitle = {fmt::format("From {} to {}.", words.first, words.second),
-                      fmt::format("Of {} pixels that both hit rightly {} lose more bits (orange), {} fewer (blue).",
-                                  hits, more, fewer)},
-         .width = a.width,
-         .height = a.height,
-         .scale = scale,
-         .unit = "more bits lost",
-         .legend = widest});
+        path, {.title = words.title,
+               .subtitle = {fmt::format("From {} to {}.", words.first, words.second),
+                            fmt::format(
+                                "Of {} pixels that both hit correctly, {} lose more bits (orange) and {} fewer (blue).",
+                                hits, more, fewer)},
+               .width = a.width,
+               .height = a.height,
+               .scale = scale,
+               .unit = "more bits lost",
+               .legend = widest});
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
     for (std::size_t i = 0, x = 0; i < a.lost.size(); ++i) {
         const auto c = class_of(a.outcome[i], b.outcome[i]);

@@ -20,7 +20,7 @@ using file::CsvTable;
 
 namespace {
 
-/// What stands before the form (a case, the value of an axis), the form and the format.
+/// The columns before the form (a case, the value of an axis), the form and the format.
 std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     std::vector<const CsvColumn*> keys;
     const CsvColumn *const form = table.find("form"), *const format = table.find("format");
@@ -32,7 +32,7 @@ std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     return keys;
 }
 
-/// Rows by their key, in the table's order.
+/// Rows by their key, and the keys in the table's order.
 struct KeyedRows {
     std::vector<std::string> order;
     std::map<std::string, std::size_t> row;
@@ -58,7 +58,7 @@ bool is_outcome(const std::string& name) {
            name == "wrong_object";
 }
 
-/// Names a ray, a place or a command; how far two of them are apart says nothing.
+/// True for columns that name a ray, a position or a command; the distance between two of them has no meaning.
 bool is_place(const std::string& name) {
     return name.starts_with("worst_") || name.starts_with("fault_") || name.ends_with("_hex") ||
            name.ends_with("explain");
@@ -77,14 +77,14 @@ bool is_wrong(const std::string& name) {
     });
 }
 
-/// A row's own number in a column; NaN where there is none.
+/// Number of a row in a column; NaN if there is none.
 double number_of(const CsvTable& table, std::size_t row, std::string_view name) {
     const CsvColumn* const column = table.find(name);
     return column == nullptr ? std::nan("") : number_in(column->cells[row]);
 }
 
-/// Between what two numbers the true hits of a row lie: of an answer that is not a number, or not proved, nobody says
-/// whether the ray truly hits. NaN where the table does not tell.
+/// Bounds on the number of true hits of a row. An answer that is not a number, or not proved, does not show if the ray
+/// truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     const auto count = [&](const char* name, double without) {
         return table.find(name) == nullptr ? without : number_of(table, row, name);
@@ -95,12 +95,12 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     return {least, least + count("not_a_number", 0) + count("unresolved", 0)};
 }
 
-/// A row of each table that are about the same.
+/// A row of each table with the same key.
 struct RowPair {
     const CsvTable &a, &b;
     std::size_t r, q;
 
-    /// Whether as many rays have another truth. A comparison with NaN is false.
+    /// True if as many rays have another truth. A comparison with NaN is false.
     [[nodiscard]] bool has_other_truth() const {
         const auto [least, most] = true_hits(a, r);
         const auto [other_least, other_most] = true_hits(b, q);
@@ -108,13 +108,13 @@ struct RowPair {
     }
 };
 
-/// By the columns that both tables have.
+/// Compares two rows by the columns that both tables have.
 RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool two_forms) {
     RowVerdict verdict;
     const double rays = number_of(rows.a, rows.r, "rays"), other_rays = number_of(rows.b, rows.q, "rays");
     const bool shares = rays > 0 && other_rays > 0 && rays != other_rays;
     double wrong = 0, bits = 0;  // how much more the second has
-    double wrongly = 0;          // of the first
+    double wrongly = 0;          // wrong decisions of the first
     bool one_sided = false;
     for (const auto& [x, y, tolerance] : pairs) {
         const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
@@ -156,17 +156,17 @@ std::string RowVerdict::text(const std::string& second) const {
     std::vector<std::string> lines;
     if (other_truth > 0)
         lines.push_back(
-            fmt::format("not comparable in {}: the two forms are asked different questions, so that other rays are "
+            fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
                         scene::toml::counted(other_truth, "row")));
     if (one_sided > 0)
         lines.push_back(
-            fmt::format("not comparable in {}: as many wrong decisions, and only one side has a lost_bits_p99",
+            fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
                         scene::toml::counted(one_sided, "row")));
     if (of_other_hits > 0)
         lines.push_back(fmt::format(
-            "in {} both forms decide as many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
-            "of its own hits; `lostbits map --against` compares the hits that both have",
+            "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
+            "over its own hits; `lostbits map --against` compares the hits that both have",
             scene::toml::counted(of_other_hits, "row")));
     if (better + worse + even > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,

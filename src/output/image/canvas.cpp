@@ -21,13 +21,13 @@ std::string entry_text(const LegendEntry& entry) {
     return entry.count.empty() ? entry.label : entry.label + "  " + entry.count;
 }
 
-/// The first end of a character of UTF-8 from byte `n` on.
+/// End of the first whole UTF-8 character at or after byte `n`.
 std::size_t whole(std::string_view text, std::size_t n) {
     while (n < text.size() && (static_cast<unsigned char>(text[n]) & 0xC0) == 0x80) ++n;
     return std::min(n, text.size());
 }
 
-/// The most bytes of `text` that fit `width`, at least one character.
+/// Largest number of bytes of `text` that fit in `width`, at least one character.
 std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width) {
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
@@ -100,7 +100,7 @@ void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
 }
 
 void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
-    // A marker on a large page reaches a few of its pixels.
+    // Limits the work to the reached pixels, because a marker covers only a few of a large page.
     double left = box_.x + box_.width, right = box_.x, top = box_.y + box_.height, foot = box_.y;
     for (const Figure& figure : figures_) {
         const double reach = figure.thickness / 2 + 1;
@@ -122,12 +122,12 @@ void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
 
 namespace {
 
-/// The words of each line of `wrap_text`.
+/// Text of each line of `wrap_text`.
 std::vector<std::string_view> wrapped(std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
-        // No letter, of at most four bytes, is narrower than a pixel, and drawing a whole book to cut one line off it
-        // would take its square.
+        // Every letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
+        // long text would take quadratic time.
         const auto most = 4 * static_cast<std::size_t>(std::max(width, 1));
         std::size_t n = fitting_prefix(text.substr(0, whole(text, most)), size, bold, width);
         if (n < text.size()) {
@@ -156,7 +156,7 @@ std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int widt
     std::vector<TextBitmap> lines;
     const auto words = wrapped(text, size, false, width);
     for (std::size_t i = 0; i < std::min(most, words.size()); ++i) {
-        // The last one takes the rest of the text.
+        // The last line takes the rest of the text.
         const auto begin = static_cast<std::size_t>(words[i].data() - text.data());
         const bool rest = i + 1 == most;
         lines.push_back(fit_text(rest ? text.substr(begin) : words[i], size, false, width));
@@ -189,7 +189,7 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     std::vector<Line> lines;
     int height = 0;
     const auto add = [&](std::string text, int size, bool bold, Rgb8 colour) {
-        // A title in a file may have several lines, or a tab: no letters, which would be boxes.
+        // Titles in files may contain line breaks or tabs, which would be drawn as boxes.
         std::ranges::replace_if(
             text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
         for (auto& line : wrap_text(text, size, bold, width)) {
@@ -252,12 +252,12 @@ Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), 
     const int count = static_cast<int>(widest.size());
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
     const int rows = (count + columns_ - 1) / columns_;
-    columns_ = (count + rows - 1) / rows;  // three and three, not five and one
+    columns_ = (count + rows - 1) / rows;  // three and three instead of five and one
     height_ = rows * (style::line_height(style::text_size) + 4);
 }
 
 Canvas Legend::draw(std::span<const LegendEntry> entries) const {
-    if (entries.size() > capacity_) throw std::logic_error("a legend with more entries than were measured");
+    if (entries.size() > capacity_) throw std::logic_error("the legend has more entries than were measured");
     Canvas out(width_, height_);
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const int x = static_cast<int>(i) % columns_ * (column_width_ + column_gap);

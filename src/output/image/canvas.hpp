@@ -1,4 +1,4 @@
-// A picture in memory, text and lines on it, and the furniture that heatmaps and contact sheets share.
+// A picture in memory, text and lines on it, and the parts that heatmaps and contact sheets share.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace lostbits::output::image {
 
-/// The look of every picture: dark ink on a light page.
+/// Look of every picture: dark ink on a light page.
 namespace style {
 inline constexpr Rgb8 page{250, 250, 248};
 inline constexpr Rgb8 ink{32, 32, 36};
@@ -21,19 +21,19 @@ inline constexpr Rgb8 soft_ink{96, 96, 104};
 inline constexpr Rgb8 line{176, 176, 180};
 inline constexpr int margin = 16;                      // pixels around everything
 inline constexpr int gap = 14;                         // between parts
-inline constexpr int least_content = 440;              // room for a title and a legend beside a thin field
-inline constexpr int least_bar = 150, most_bar = 480;  // of colours, pixels high
-inline constexpr int title_size = 18;                  // pixels to the em
+inline constexpr int least_content = 440;              // space for a title and a legend beside a narrow field
+inline constexpr int least_bar = 150, most_bar = 480;  // height of the colour bar in pixels
+inline constexpr int title_size = 18;                  // pixels per em
 inline constexpr int text_size = 13;
 inline constexpr int small_size = 11;
-inline constexpr int smallest_size = 9;  // below this letters are no longer letters
+inline constexpr int smallest_size = 9;  // smaller letters are not legible
 
 inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
-/// From the baseline to the middle of the digits, which are 0.73 em high.
+/// Distance from the baseline to the middle of the digits, which are 0.73 em high.
 inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
-/// Pixels row by row. Drawing outside is cut off.
+/// Pixels row by row. Anything drawn outside is cut off.
 class Canvas {
 public:
     Canvas(int width, int height, Rgb8 colour = style::page);
@@ -45,9 +45,9 @@ public:
 
     void set(int x, int y, Rgb8 colour) noexcept;
     void fill(int x, int y, int width, int height, Rgb8 colour) noexcept;
-    /// A line one pixel wide just outside the rectangle.
+    /// Draws a line one pixel wide just outside the rectangle.
     void frame(int x, int y, int width, int height, Rgb8 colour) noexcept;
-    /// Blends `colour` in, as much of it as `coverage` says of each pixel of the box.
+    /// Blends `colour` into each pixel of the box, weighted by `coverage`.
     void ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity = 1) noexcept;
     void text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept {
         ink({x, y, text.width, text.height}, text.coverage, colour);
@@ -59,21 +59,21 @@ private:
     std::vector<Rgb8> pixels_;
 };
 
-/// One coat of one colour: figures are gathered and painted together, so that a line that crosses itself, or the joint
-/// of two segments, is not darker than the rest. What lies outside the box is cut off.
+/// One coat of one colour. Figures are collected and painted together, so that a line that crosses itself and the joint
+/// of two segments are not darker than the rest. Anything outside the box is cut off.
 class Stroke {
 public:
     explicit Stroke(const PixelBox& box) : box_(box) {}
 
-    /// The segments between the points, `thickness` pixels wide with round ends. `dashes` are the lengths of ink and
-    /// gap in turn, running on from segment to segment; empty = solid.
+    /// Adds segments between the points, `thickness` pixels wide with round ends. `dashes` are alternate lengths of ink
+    /// and gap, which run on from segment to segment; empty: solid.
     void polyline(std::span<const Point> points, double thickness, std::span<const double> dashes = {});
 
     void disc(Point centre, double radius) { figures_.push_back({{centre, centre}, 2 * radius}); }
 
     void polygon(std::span<const Point> corners) { figures_.push_back({{corners.begin(), corners.end()}}); }
 
-    /// What lies between two polylines.
+    /// Adds the area between two polylines.
     void area(std::span<const Point> above, std::span<const Point> below);
 
     /// Blends `colour` into the canvas and forgets the figures.
@@ -84,36 +84,37 @@ private:
     std::vector<Figure> figures_;
 };
 
-/// Writes the pixels as a PNG. Throws as `ImageBackend::open_png` does.
+/// Writes the pixels as a PNG. Throws the errors of `ImageBackend::open_png`.
 void save_png(const std::filesystem::path& path, const Canvas& canvas);
 
-/// `text` in lines of at most `width` pixels, broken between words, and inside a word only where it alone is wider.
+/// Breaks `text` into lines of at most `width` pixels, between words if possible, and inside a word only if the word is
+/// wider.
 [[nodiscard]] std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width);
 
-/// `text` in one line of at most `width` pixels: smaller letters first, then `…` in the middle.
+/// Fits `text` into one line of at most `width` pixels: first with smaller letters, then with `…` in the middle.
 [[nodiscard]] TextBitmap fit_text(std::string_view text, int size, bool bold, int width);
 
-/// `text` in at most that many lines of `width` pixels, the last of them as `fit_text` makes it.
+/// Breaks `text` into at most `most` lines of `width` pixels. `fit_text` makes the last one.
 [[nodiscard]] std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t most);
 
-/// The heading of a picture `width` pixels wide: the title, and the smaller lines below it.
+/// Heading of a picture `width` pixels wide: the title, and smaller lines below it.
 [[nodiscard]] Canvas heading(std::string_view title, std::span<const std::string> subtitle, int width);
 
-/// The colour bar with its ticks to the right and its unit above, `height` pixels in all.
+/// Colour bar with its ticks to the right and its unit above, `height` pixels in total.
 [[nodiscard]] Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height);
 
-/// One class in the legend: its colour, its name and how often it occurs.
+/// One class in the legend: its colour, its name and its number of pixels.
 struct LegendEntry {
     std::string label;  ///< `false miss`
     Rgb8 colour;
     std::string count;  ///< `1234 (3.1%)`, or empty
 };
 
-/// The legend below a picture. Its place is measured before the work, with the widest counts that can come; it is
-/// drawn after it, with the true ones.
+/// The legend below a picture. Its size is measured before the work, with the widest possible counts. It is drawn after
+/// the work, with the real ones.
 class Legend {
 public:
-    /// `widest` lists every entry that may come, with the widest `count` it can have.
+    /// `widest` lists every possible entry, each with the widest `count` it can have.
     Legend(std::span<const LegendEntry> widest, int width);
 
     [[nodiscard]] int height() const noexcept { return height_; }

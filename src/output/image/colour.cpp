@@ -11,7 +11,7 @@
 namespace lostbits::output::image {
 namespace {
 
-// Kelly's idea of maximal contrast, in colours that keep apart on a screen.
+// Kelly's idea of maximal contrast, with colours that can be told apart on a screen.
 constexpr std::array<Rgb8, 20> object_colours{{
     {230, 159, 0},  {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
     {213, 94, 0},   {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
@@ -32,10 +32,10 @@ const std::array<std::uint16_t, 256>& linear_table() {
     return table;
 }
 
-/// The colour at a place 0..1 of a ramp.
+/// Colour at a position from 0 to 1 of a ramp.
 inline Rgb8 colour_at(const std::vector<Rgb8>& table, double position) {
     const double place = std::clamp(position, 0.0, 1.0) * static_cast<double>(table.size() - 1);
-    const auto below = static_cast<std::size_t>(place);  // halves go up, as lround has it
+    const auto below = static_cast<std::size_t>(place);  // rounds halves up, like lround
     return table[below + (place - static_cast<double>(below) >= 0.5 ? 1 : 0)];
 }
 
@@ -44,7 +44,7 @@ bool divides(double step, double value) {
     return std::fabs(n - std::round(n)) < 1e-6;
 }
 
-/// A round step of at least `least`: one that lands on both ends where there is one, else that of axes.
+/// A round step of at least `least`: one that divides both ends if there is one, else the step of axes.
 double step_between(double lo, double hi, double least) {
     const double ten = std::pow(10.0, std::floor(std::log10(least)));
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
@@ -53,7 +53,7 @@ double step_between(double lo, double hi, double least) {
     return round_step(least);
 }
 
-/// Oklab (Ottosson 2020) in thousandths: whole numbers, so that the last bits of a machine's cbrt decide nothing.
+/// Oklab (Ottosson 2020) in whole thousandths, so that the last bits of a machine's cbrt do not matter.
 struct Lab {
     int l, a, b;
     explicit Lab(Rgb8 c) {
@@ -72,7 +72,7 @@ struct Lab {
     }
 };
 
-/// Every colour of a 17 x 17 x 17 cube with its distance from what is taken.
+/// Every colour of a 17 x 17 x 17 cube, with its distance from the colours that are taken.
 class FarthestColours {
 public:
     FarthestColours() {
@@ -127,10 +127,10 @@ double ColourScale::spaced(double value) const {
 
 ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, Spacing spacing)
     : name_(std::move(name)), table_(std::move(table)), lo_(lo), hi_(hi), spacing_(spacing) {
-    if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": fewer than two colours");
+    if (table_.size() < 2) throw std::invalid_argument("colour scale " + name_ + ": it has fewer than two colours");
     if (!std::isfinite(lo) || !std::isfinite(hi) || !(hi > lo) || (spacing == Spacing::log2 && !(lo > 0)) ||
         (spacing == Spacing::root && lo < 0)) {
-        throw std::invalid_argument("colour scale " + name_ + ": no range from " + file::decimal(lo) + " to " +
+        throw std::invalid_argument("colour scale " + name_ + ": not a valid range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
     from_ = spaced(lo);
@@ -147,12 +147,12 @@ double ColourScale::position(double value) const {
 Rgb8 ColourScale::at(double position) const { return colour_at(table_, position); }
 
 Rgb8 ColourScale::map(double value) const {
-    // As at(position(value)), in one call: pictures ask for every pixel.
+    // The same as at(position(value)) in one call, because it runs for every pixel.
     if (!(value > lo_ && value < hi_)) return at(position(value));
     return colour_at(table_, (spaced(value) - from_) / range_);
 }
 
-/// Both ends, then powers of two where there is room, those of four first.
+/// Ticks at both ends, then at powers of two where there is space, powers of four first.
 std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
     std::vector<Tick> out{{0, tick_label(lo_)}, {1, tick_label(hi_)}};
     const double room = 0.75 / most;
@@ -180,7 +180,7 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
             step = s;
             if (std::floor((last - first) / s) + 1 <= most) break;
         }
-        // Either all labels are powers or none is.
+        // Labels are either all powers or all plain numbers.
         const bool plain = first >= -3 && last <= 10;
         for (double e = first; e <= last; e += step) {
             out.push_back(
@@ -190,7 +190,7 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
         const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (most - 1) * 2);
         for (const double value : multiples(step, lo_, hi_)) out.push_back({position(value), tick_label(value)});
     }
-    // A range that holds no two round values is labelled at its ends.
+    // A range without two round values is labelled at its ends.
     if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};
     return out;
 }

@@ -1,4 +1,4 @@
-// Colours: what a number, an outcome and an object look like, the same in every picture.
+// Colours of numbers, outcomes and objects, the same in every picture.
 #pragma once
 
 #include <array>
@@ -9,19 +9,20 @@
 
 namespace lostbits::output::image {
 
-/// An 8-bit sRGB colour, three bytes without padding: a row of them is a row of a PNG.
+/// An 8-bit sRGB colour in three bytes without padding, so that a row of them is a row of a PNG.
 struct Rgb8 {
     std::uint8_t r = 0, g = 0, b = 0;
     friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 static_assert(sizeof(Rgb8) == 3);
 
-/// One fixed colour an outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the `class`
-/// layer. All but `agree_hit` stay away from the whole viridis ramp and from each other: between any two, CIEDE2000 is
-/// at least 25 for every eye, also a deuteranope's and a protanope's (tests hold the distances); their lightness
-/// differs too, so that a grey print still tells them apart. `agree_hit` is drawn with its metric's colour, and with
-/// this one where the metric has no value there, or in a map of classes alone. Beside the ramp there is room for these
-/// seven; the four of meshes are 20 apart from them and from it for an ordinary eye, and 10 for the two others.
+/// One fixed colour per outcome, in the order of `Outcome` (measure/answer/outcome.hpp) and of the values of the
+/// `class` layer. All colours but `agree_hit` differ from the whole viridis ramp and from each other: between any two,
+/// CIEDE2000 is at least 25 for every eye, including a deuteranope's and a protanope's (tests check the distances).
+/// Their lightness differs too, so that they can be told apart on a grey print. `agree_hit` is drawn in its metric's
+/// colour. It has this colour if the metric has no value there, and in a map of outcomes alone. There is space for only
+/// these seven beside the ramp. The four of meshes are 20 apart from them and from the ramp for an ordinary eye, and 10
+/// for the two others.
 inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
     {231, 231, 231},  // agree_miss: neutral, recedes
@@ -36,7 +37,7 @@ inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {127, 154, 195},  // out_of_order: steel blue
 }};
 
-/// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
+/// One fixed colour per reason for a march to stop, in the order of `Stop` (intersect/march.hpp).
 inline constexpr std::array<Rgb8, 4> stop_colours{{
     outcome_colours[0],  // hit
     outcome_colours[1],  // max_dist: neutral, recedes
@@ -44,8 +45,7 @@ inline constexpr std::array<Rgb8, 4> stop_colours{{
     outcome_colours[5],  // stagnated: violet
 }};
 
-/// One fixed colour for each way in which two forms can stand to each other, in the order of `Against`
-/// (measure/answer/against.hpp).
+/// One fixed colour for each relation of two forms, in the order of `Against` (measure/answer/against.hpp).
 inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[1],  // both_miss
     outcome_colours[0],  // same_t
@@ -55,31 +55,32 @@ inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[3],  // other_alone_hits: lilac
 }};
 
-/// The colour of the place-th of many categories, from 0: twenty that were chosen, then each time the one farthest in
-/// Oklab from all before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used
-/// again.
+/// Colour of the place-th of many categories, from 0. The first twenty were chosen; each further one is the farthest in
+/// Oklab from all before it, from the outcomes' colours and from the page. There are a thousand, no two alike; then
+/// they repeat.
 [[nodiscard]] Rgb8 distinct_colour(std::size_t place);
 
-/// How values lie between the ends of a scale: by themselves, by their square roots (small ones get more of the ramp),
-/// or by their logarithms.
+/// Spacing of values between the ends of a scale: by value, by square root (small values get more of the ramp), or by
+/// logarithm.
 enum class Spacing : std::uint8_t { linear, root, log2 };
 inline constexpr std::array<const char*, 3> spacing_names{"linear", "root", "log2"};
 
 /// Maps a metric to a colour between two ends, clamped outside.
 class ColourScale {
 public:
-    /// `table` is the ramp from low to high, at least two colours (`ImageBackend::ramp`). `hi > lo`, both finite;
-    /// `lo >= 0` for roots and `lo > 0` for logarithms. Throws std::invalid_argument otherwise.
+    /// `table` is the ramp from low to high, with at least two colours (`ImageBackend::ramp`). `hi > lo`, both finite;
+    /// `lo >= 0` for roots and `lo > 0` for logarithms. Otherwise throws std::invalid_argument.
     ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, Spacing spacing = Spacing::linear);
 
-    /// The colour of `value`; -inf and +inf take the ends, and so does what is not positive on a log2 scale. A NaN
-    /// has no place on the ramp: draw its outcome instead. Throws std::invalid_argument for it.
+    /// The colour of `value`. -inf and +inf have the colours of the ends; on a log2 scale, a value that is not positive
+    /// has that of the low end. Throws std::invalid_argument for NaN, which is not on the ramp; draw its outcome
+    /// instead.
     [[nodiscard]] Rgb8 map(double value) const;
 
-    /// The place of `value` on the ramp, clamped to 0..1.
+    /// Position of `value` on the ramp, clamped to 0..1.
     [[nodiscard]] double position(double value) const;
 
-    /// The colour at a place 0..1 of the ramp.
+    /// Colour at a position from 0 to 1 on the ramp.
     [[nodiscard]] Rgb8 at(double position) const;
 
     /// A tick of the colour bar.
@@ -95,7 +96,7 @@ public:
     [[nodiscard]] double lo() const noexcept { return lo_; }
     [[nodiscard]] double hi() const noexcept { return hi_; }
     [[nodiscard]] Spacing spacing() const noexcept { return spacing_; }
-    /// Whether both give every value the same place.
+    /// True if both scales give every value the same position.
     [[nodiscard]] bool is_as(const ColourScale& o) const noexcept {
         return lo_ == o.lo_ && hi_ == o.hi_ && spacing_ == o.spacing_ && name_ == o.name_;
     }
@@ -108,21 +109,21 @@ private:
     std::vector<Rgb8> table_;
     double lo_, hi_;
     Spacing spacing_;
-    double from_, range_;  ///< of lo as it is spaced, and of hi less that
+    double from_, range_;  ///< spaced lo, and spaced hi minus spaced lo
 };
 
 // Round values for the ticks of axes and colour bars.
 
-/// 1, 2 or 5 times ten^k: the least such step that is at least `least` > 0.
+/// The least of 1, 2 or 5 times 10^k that is at least `least` > 0.
 [[nodiscard]] double round_step(double least);
 
-/// The multiples of `step` from `lo` to `hi`, both included where they are multiples but for rounding.
+/// Multiples of `step` from `lo` to `hi`. Both ends are included if they are multiples up to rounding.
 [[nodiscard]] std::vector<double> multiples(double step, double lo, double hi);
 
-/// With so many significant digits: a tick at 3 times 0.1 is not 0.30000000000000004.
+/// The value with `digits` significant digits: a tick at 3 times 0.1 is not 0.30000000000000004.
 [[nodiscard]] std::string tick_label(double value, int digits = 6);
 
-/// Linear light of an sRGB byte, as 0..65535. Averages of pixels are taken in it.
+/// Linear light of an sRGB byte, from 0 to 65535. Pixels are averaged in linear light.
 [[nodiscard]] std::uint16_t linear_light(std::uint8_t srgb) noexcept;
 
 /// The sRGB byte nearest in linear light to `linear` (0..65535).

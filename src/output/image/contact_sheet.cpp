@@ -7,16 +7,16 @@ namespace lostbits::output::image {
 namespace {
 
 constexpr std::size_t most_columns = 7;
-constexpr int least_cell = 164;  // room for most names of forms
-constexpr int line_bar = 120;    // of a line with a bar of its own
-constexpr int unit_height = 18;  // over a bar: it reaches above its line
+constexpr int least_cell = 164;  // space for most names of forms
+constexpr int line_bar = 120;    // height of a line with a bar of its own
+constexpr int unit_height = 18;  // height of the unit over a bar, which reaches above its line
 constexpr int block_gap = 10;
-constexpr int column_head = 22;  // the name of the form, in one line
-constexpr int name_line = 16;    // every further one
+constexpr int column_head = 22;  // the name of the form, if it has one line
+constexpr int name_line = 16;    // every further line of it
 constexpr int note_line = 14;
 
-/// The name of a form in one line where it fits, small or not; one that is made of others, `FORM^BOX@SPACE`, else in
-/// a line for each: shortened in the middle, two of them look alike.
+/// The name of a form in one line if it fits, perhaps in smaller letters. Otherwise a composed name, `FORM^BOX@SPACE`,
+/// gets a line for each part, because two such names shortened in the middle look alike.
 std::vector<TextBitmap> name_lines(std::string_view name, int width) {
     std::vector<TextBitmap> lines;
     if (image_backend().render_text(name, style::smallest_size, true).width > width) {
@@ -33,14 +33,14 @@ std::vector<TextBitmap> name_lines(std::string_view name, int width) {
 ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     : spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
     if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.formats.size())
-        throw std::logic_error(path.string() + ": neither one colour bar nor one a line");
+        throw std::logic_error(path.string() + ": neither one colour bar nor one per line");
     if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
     const Thumbnail size(spec_.field_width, spec_.field_height);
     thumb_width_ = size.width();
     thumb_height_ = size.height();
     cell_width_ = std::max(thumb_width_ + 2, least_cell);
 
-    // Blocks as even as they come: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
+    // Make blocks even: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
     const std::size_t blocks = (spec_.forms.size() + most_columns - 1) / most_columns;
     columns_ = static_cast<int>((spec_.forms.size() + blocks - 1) / blocks);
     for (const auto& format : spec_.formats) {
@@ -128,7 +128,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
         rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     }
     if (lines.size() <= spec_.note_lines) return lines;
-    // Too long for its place: cut in two near the middle, each half small or shortened.
+    // The note is too long. Cut it in two near the middle; each half is made smaller or shortened.
     const auto space = note.find_last_of(" \n", note.size() / 2);
     const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
     lines.clear();
@@ -140,7 +140,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     return lines;
 }
 
-/// One beside the first block, or one beside each line of every block, as high as its thumbnails.
+/// Draws one bar beside the first block, or one beside each line of every block, as high as its thumbnails.
 void ContactSheet::draw_bars(Canvas& page, int top) const {
     const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.picture(x, top, bars_.front());
@@ -155,7 +155,7 @@ void ContactSheet::draw_bars(Canvas& page, int top) const {
 
 void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order) {
     if (!order.empty() && order.size() != spec_.forms.size())
-        throw std::logic_error("contact sheet: forms are lacking");
+        throw std::logic_error("contact sheet: the order does not have every form");
     Canvas page(page_width_, page_height_);
     page.picture(style::margin, style::margin, heading_);
     const int top = style::margin + heading_.height() + style::gap;

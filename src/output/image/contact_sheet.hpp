@@ -1,4 +1,4 @@
-// Every form and format of a scene on one page.
+// A page with a small picture for every form and format of a scene.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@
 namespace lostbits::output::image {
 
 /// A small picture of a field, at most 160 pixels on its longer side, made from rows in any order.
-///
-/// Larger fields are box-averaged in linear light: with integer weights and sums, so the result is exact and the
-/// order of the rows cannot show. Colours of categories have no average that a legend could name: of those each pixel
-/// takes the sample at its middle. Smaller fields are enlarged by a whole factor. Memory does not grow with the field.
+/// Larger fields are box-averaged in linear light. Weights and sums are integers, so the result is exact and does not
+/// depend on the order of the rows. Colours of categories must not be averaged, because the legend names no mixed
+/// colours, so each pixel takes the sample at its middle. Smaller fields are enlarged by a whole factor. Memory does
+/// not grow with the field.
 class Thumbnail {
 public:
     enum class Shrink : std::uint8_t { average, pick };
@@ -31,14 +31,14 @@ public:
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
 
-    /// Whole rows of the field, the first of which is `y_begin`; each row once. Throws std::logic_error for a part of
-    /// a row or a row outside.
+    /// Adds whole rows of the field, starting at row `y_begin`; each row once. Throws std::logic_error for a part of a
+    /// row or a row outside the field.
     void add_rows(int y_begin, std::span<const Rgb8> samples);
 
-    /// Whether every row has come.
+    /// True once every row was added.
     [[nodiscard]] bool complete() const noexcept { return rows_ == field_height_; }
 
-    /// The picture; throws std::logic_error before it is complete.
+    /// The picture. Throws std::logic_error before it is complete.
     [[nodiscard]] const std::vector<Rgb8>& pixels() const;
 
 private:
@@ -48,9 +48,9 @@ private:
 
     int field_width_, field_height_, width_, height_;
     Shrink shrink_;
-    int factor_ = 0;  // of enlargement; 0 = made smaller
+    int factor_ = 0;  // factor of enlargement; 0: made smaller
     int rows_ = 0;
-    /// Into which pixel a column of the field falls, and with which weight; the rest of it into the next one.
+    /// Pixel into which a column of the field falls, and its weight there. The rest falls into the next pixel.
     struct Fall {
         std::size_t pixel;
         std::uint64_t weight, rest;
@@ -61,36 +61,36 @@ private:
     std::vector<Rgb8> pixels_;
 };
 
-/// What a contact sheet shows; all of it is known before the first pixel.
+/// Description of a contact sheet, known before the first pixel.
 struct SheetSpec {
     std::string title;
     std::vector<std::string> subtitle;
     std::vector<std::string> forms;         ///< across
     std::vector<std::string> formats;       ///< down
-    int field_width = 0, field_height = 0;  ///< of every cell, in samples
-    std::vector<ColourScale> scales;        ///< none; one, shared by all cells; or one for each line of cells
-    std::string unit;                       ///< over a colour bar
-    std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count it may get
-    bool categories = false;                ///< the colours are names: cells are not averaged
-    std::size_t note_lines = 4;             ///< of small text under each cell
+    int field_width = 0, field_height = 0;  ///< size of every cell, in samples
+    std::vector<ColourScale> scales;        ///< none; one for all cells; or one for each line of cells
+    std::string unit;                       ///< label over a colour bar
+    std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count that it may get
+    bool categories = false;                ///< colours are names, so cells are not averaged
+    std::size_t note_lines = 4;             ///< number of lines of small text under each cell
 };
 
-/// A grid of thumbnails: forms across, formats down, in blocks of at most seven forms. Cells may be fed at the same
-/// time, each by one thread; a cell that is never finished is drawn as `no data`.
+/// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. Different cells may be filled
+/// concurrently, each by one thread. A cell that is never finished is drawn empty, as `not in this format`.
 class ContactSheet {
 public:
     /// Opens `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
     ContactSheet(const std::filesystem::path& path, SheetSpec spec);
 
-    /// Rows of the field of one cell, as Thumbnail::add_rows.
+    /// Adds rows to the field of one cell, as in Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
 
-    /// The small text under one cell, such as `4% false miss\np99 3.2 bits`: `note_lines` of about 25 letters each,
-    /// wrapped where there is no line break, and shortened where there are more.
+    /// Sets the small text under one cell, such as `4% false miss\np99 3.2 bits`: `note_lines` lines of about 25
+    /// letters each. Longer lines are wrapped, and a text of more lines is shortened.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
-    /// Draws the page and gives the file its final name; `legend` as for HeatmapWriter::finish. `order` has the places
-    /// of the forms as they stand across; empty: as they came.
+    /// Draws the page and gives the file its final name. `legend` is as for HeatmapWriter::finish. `order` lists the
+    /// indices of the forms in the order in which they are drawn; empty: the given order.
     void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {});
 
 private:
@@ -103,13 +103,13 @@ private:
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
 
     SheetSpec spec_;
-    std::vector<Cell> cells_;  // format by format
+    std::vector<Cell> cells_;  // by format
     int thumb_width_, thumb_height_;
     void draw_bars(Canvas& page, int top) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
     int page_width_ = 0, page_height_ = 0, grid_width_ = 0;
     Canvas heading_{0, 0};
-    std::vector<Canvas> bars_;  // as many as scales
+    std::vector<Canvas> bars_;  // one per scale
     std::optional<Legend> legend_;
     std::unique_ptr<PngWriter> png_;
 };

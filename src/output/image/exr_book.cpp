@@ -17,11 +17,11 @@ static_assert(std::endian::native == std::endian::little, "samples are written a
 
 namespace {
 
-constexpr int block_lines = 16;  // of ZIP
+constexpr int block_lines = 16;  // lines per ZIP block
 constexpr int level = 1;
 constexpr std::size_t sample_bytes = 4;
 
-// The writers of the header's words.
+// Writers of the header's fields.
 template <class Number>
 void put(std::string& out, Number x) {
     char bytes[sizeof x];
@@ -47,7 +47,7 @@ std::string words(std::initializer_list<Number> numbers) {
 
 int blocks_of(const ExrSpec& spec) { return (spec.height + block_lines - 1) / block_lines; }
 
-/// Places of the channels in the spec, sorted by name as the file has them.
+/// Indices of the channels in the spec, sorted by name as in the file.
 std::vector<std::size_t> sorted_channels(const ExrSpec& spec) {
     std::vector<std::size_t> places(spec.channels.size());
     std::iota(places.begin(), places.end(), std::size_t{0});
@@ -60,7 +60,7 @@ std::string channel_list(const ExrSpec& spec) {
     for (const std::size_t c : sorted_channels(spec)) {
         put_name(list, spec.channels[c].name);
         put(list, std::int32_t{spec.channels[c].type == Channel::Type::u32 ? 0 : 2});
-        put(list, std::int32_t{0});  // not perceptually linear, and three bytes that mean nothing
+        put(list, std::int32_t{0});  // not perceptually linear, and three reserved bytes
         list += words<std::int32_t>({1, 1});
     }
     list += '\0';
@@ -95,8 +95,9 @@ bool has_long_name(const ExrPart& part) {
            std::ranges::any_of(part.spec.attributes, is_long, [](const auto& a) { return a.first; });
 }
 
-/// Bytes at even places first, then those at odd ones; of each the difference from the one before it, and 128;
-/// deflated. What would not get smaller stays as it is, which a reader sees by its size.
+/// Compresses a block: bytes at even indices first, then those at odd ones; each replaced by its difference from the
+/// one before plus 128; then deflated. A block that would not get smaller stays as it is; a reader sees that by its
+/// size.
 std::string compressed(const std::string& raw) {
     std::string parted(raw.size(), '\0');
     const std::size_t half = (raw.size() + 1) / 2;
@@ -123,7 +124,7 @@ struct ExrBook::Page {
     ExrPart part;
     std::vector<std::size_t> channels;       ///< in the file's order
     std::string block = {};                  ///< lines of the block that is being filled
-    int lines = 0;                           ///< that came so far
+    int lines = 0;                           ///< number of lines received so far
     std::vector<std::int64_t> offsets = {};  ///< of the blocks in the file
 };
 
@@ -135,7 +136,7 @@ ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) 
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);
         if (channels.size() != spec.channels.size())
-            throw std::logic_error(path_ + ": part " + part.name + " has two channels of one name");
+            throw std::logic_error(path_ + ": part " + part.name + " has two channels with the same name");
         if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty() || !names.insert(part.name).second ||
             spec.width != parts.front().spec.width || spec.height != parts.front().spec.height)
             throw std::logic_error(path_ + ": part " + part.name + " has no pixels, a name or a size of its own");

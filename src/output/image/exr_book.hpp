@@ -1,16 +1,14 @@
-// An EXR file of one part, or of several that grow side by side.
-//
-// OpenImageIO writes one part after the other, so that all but the first would have to wait on disk, uncompressed: 1.7
-// GB for 41 rows of a map of 1024 × 1024. The file format asks for no such order.
-//
-// OpenEXR's own library, tried at 3.1.5, keeps to no order in Imf::MultiPartOutputFile, and its files have the size of
-// ours to the byte. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses: two
-// threads take as long as one, and blocks lie in the file in the order of the calls, other bytes in each run. In a
-// fixed order, rows would wait uncompressed for their turn, and be compressed by a pool of the library's own beside
-// ours. The C interface takes blocks that are compressed already, but of one part after the other
-// (EXR_ERR_INCORRECT_PART). Here each thread compresses its own rows and no lock is held meanwhile.
-//
-// The parts of scan lines are as https://openexr.com/en/latest/OpenEXRFileLayout.html has them; the tests read them
+// Writer of EXR files with one part, or with several parts that grow side by side.
+// OpenImageIO writes one part after the other, so all parts but the first would have to wait on disk, uncompressed: 1.7
+// GB for 41 rows of a map of 1024 × 1024. The file format does not require that order.
+// OpenEXR's own library, tested at 3.1.5, requires no order in Imf::MultiPartOutputFile, and its files have exactly the
+// size of ours. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses. Two threads
+// then take as long as one, and blocks lie in the file in the order of the calls, so the bytes differ from run to run.
+// In a fixed order, rows would wait uncompressed for their turn and be compressed by the library's own thread pool
+// beside ours. The C interface accepts blocks that are compressed already, but only one part after the other
+// (EXR_ERR_INCORRECT_PART). Here each thread compresses its own rows and holds no lock meanwhile.
+// The layout of scan-line parts is that of https://openexr.com/en/latest/OpenEXRFileLayout.html; the tests read the
+// files back with OpenImageIO.
 // back with OpenImageIO.
 #pragma once
 
@@ -30,31 +28,31 @@
 namespace lostbits::output::image {
 
 struct ExrPart {
-    std::string name;  ///< empty: the file has this one alone, and is none of parts
+    std::string name;  ///< empty: the only part, in a file without parts
     ExrSpec spec;
-    /// Parts of one run grow together; a later run begins when the parts of the ones before are whole.
+    /// Parts of the same run grow together. A later run begins when all parts of the earlier ones are complete.
     int run = 0;
 };
 
-/// ZIP at zlib's level 1, no date. The bytes depend on the pixels alone, not on which part is served first. Memory
-/// holds the blocks of 16 lines that wait for their turn: those of one band where the parts of a run are served in
-/// step.
+/// Writes ZIP at zlib's level 1, without a date. The bytes depend only on the pixels, not on the order in which parts
+/// are written. Memory holds the blocks of 16 lines that wait for their turn. If the parts of a run are written in
+/// step, these are the blocks of one band.
 class ExrBook {
 public:
-    /// Opens `path` at once, as AtomicFile does. All parts have the same size. Throws EnvironmentError, and
-    /// std::logic_error for parts that no reader would take: none, a name used twice, other sizes, no channels.
+    /// Opens `path` at once, like AtomicFile. All parts have the same size. Throws EnvironmentError. Throws
+    /// std::logic_error for parts that no reader would accept: none, a name used twice, different sizes, no channels.
     ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts);
     ~ExrBook();
     ExrBook(const ExrBook&) = delete;
     ExrBook& operator=(const ExrBook&) = delete;
 
-    /// The next `rows` rows of a part, the first of which is `y_begin`. `pixels` holds rows · width · channels samples
-    /// of four bytes in native byte order, the channels of a pixel side by side in the order of the spec. Different
-    /// parts may be served at the same time. Throws EnvironmentError (a full disk), and std::logic_error for rows out
-    /// of order or a wrong size.
+    /// Writes the next `rows` rows of a part, starting at row `y_begin`. `pixels` holds rows · width · channels samples
+    /// of four bytes in native byte order, with the channels of a pixel side by side in the order of the spec.
+    /// Different parts may be written concurrently. Throws EnvironmentError (a full disk), and std::logic_error for
+    /// rows out of order or a wrong size.
     void write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels);
 
-    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
+    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error if rows are missing.
     void close();
 
 private:
@@ -68,12 +66,12 @@ private:
 
     std::string path_;
     std::vector<Page> pages_;
-    std::mutex mutex_;  ///< of all below
+    std::mutex mutex_;  ///< guards all members below
     file::AtomicFile out_;
     std::map<Place, std::string> waiting_;
-    std::vector<Place> order_;    ///< in which blocks are written
-    std::size_t next_ = 0;        ///< in that order
-    std::exception_ptr failure_;  ///< the first, which later calls repeat: the file is gone with it
+    std::vector<Place> order_;    ///< order in which blocks are written
+    std::size_t next_ = 0;        ///< index in `order_`
+    std::exception_ptr failure_;  ///< the first failure; the file is lost, so later calls throw it again
 };
 
 }  // namespace lostbits::output::image

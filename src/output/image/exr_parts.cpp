@@ -6,7 +6,7 @@ std::pair<std::string, std::string> compiler_attribute() { return {"lostbits:com
 
 std::pair<std::string, std::string> objects_attribute() {
     return {"lostbits:objects",
-            "0 none, otherwise 1 + the solid's number, its place in the scene from 0: 1 is solid 0"};
+            "0 none, otherwise 1 + the index of the primitive in the scene, from 0: 1 is primitive 0"};
 }
 
 }  // namespace lostbits::output::image

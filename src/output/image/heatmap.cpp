@@ -6,8 +6,8 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int narrow = 384;    // a field below this many samples across is enlarged
-constexpr int tallest = 2048;  // and not beyond this many pixels down
+constexpr int narrow = 384;    // a field with fewer samples across is enlarged
+constexpr int tallest = 2048;  // but to at most this many pixels down
 
 int choose_factor(int width, int height) {
     if (width >= narrow) return 1;

@@ -1,4 +1,4 @@
-// One field as a picture that explains itself: title, colour bar, legend.
+// A field as a picture with title, colour bar and legend.
 #pragma once
 
 #include <filesystem>
@@ -15,32 +15,32 @@
 
 namespace lostbits::output::image {
 
-/// What a heatmap shows; all of it is known before the first pixel.
+/// Description of a heatmap, known before the first pixel.
 struct HeatmapSpec {
     std::string title;
     std::vector<std::string> subtitle;
     int width = 0, height = 0;         ///< of the field, in samples
-    std::optional<ColourScale> scale;  ///< none for a map of classes or objects alone
-    std::string unit;                  ///< over the colour bar: `lost bits`
-    std::vector<LegendEntry> legend;   ///< every class that may occur, each with the widest count it may get
-    std::string widest_caption = {};   ///< room for lines above the legend that are known at the end; empty: none
+    std::optional<ColourScale> scale;  ///< none for a map of only classes or objects
+    std::string unit;                  ///< label over the colour bar: `lost bits`
+    std::vector<LegendEntry> legend;   ///< every class that may occur, with the widest count that it may get
+    std::string widest_caption =
+        {};  ///< space for the lines above the legend, whose text is known at the end; empty: none
 };
 
-/// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor, nearest neighbour, so
-/// that one sample stays one visible square. Memory does not grow with the height. One thread at a time.
+/// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor with nearest neighbour,
+/// so that one sample is one visible square. Memory does not grow with the height. For one thread at a time.
 class HeatmapWriter {
 public:
     /// Opens `path` and writes the heading. Throws EnvironmentError, and std::logic_error for a field without samples.
     HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec);
 
-    /// The next rows of the field, whole rows from top to bottom. Throws EnvironmentError (a full disk), and
-    /// std::logic_error for a part of a row or a row too many.
+    /// Writes the next whole rows of the field, from top to bottom. Throws EnvironmentError (a full disk), and
+    /// std::logic_error for a part of a row or for too many rows.
     void write_rows(std::span<const Rgb8> samples);
 
-    /// Writes the caption where the spec has room for one, in its lines, the last one small or shortened where it is
-    /// longer than that; then the legend, and gives the file its final name. `legend` holds
-    /// those classes of the spec that occurred, with their counts. Throws as write_rows does, and std::logic_error when
-    /// rows are lacking.
+    /// Writes the caption if the spec has space for one; a last line that is too long gets smaller letters or is
+    /// shortened. Then writes the legend and gives the file its final name. `legend` holds the classes of the spec that
+    /// occurred, with their counts. Throws as write_rows does, and std::logic_error if rows are missing.
     void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
 
 private:
@@ -52,8 +52,8 @@ private:
     int factor_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
     int caption_lines_ = 0;
-    int rows_ = 0;    // of the field, taken
-    int body_y_ = 0;  // of the body, written
+    int rows_ = 0;    // rows of the field that were taken
+    int body_y_ = 0;  // rows of the body that were written
     Canvas bar_{0, 0};
     std::optional<Legend> legend_;
     std::vector<Rgb8> line_;

@@ -1,7 +1,6 @@
-// The face of the image module: PNG, what an EXR holds, colour ramps, text and lines, without a type of the libraries
-// behind it.
-//
-// OpenImageIO, which brings Cairo, costs 180 ms to load, so they sit in a module of their own (`lostbits_image`) that
+// Interface of the image module: PNG, contents of EXR files, colour ramps, text and lines, without types of the
+// libraries behind it.
+// OpenImageIO, which brings Cairo, takes 180 ms to load. So both are in a module of their own (`lostbits_image`), which
 // `image_backend()` loads when a command first writes a picture.
 #pragma once
 
@@ -21,7 +20,7 @@
 
 namespace lostbits::output::image {
 
-/// A channel of an EXR file: 32 bits a sample, never HALF.
+/// A channel of an EXR file with 32 bits per sample, never HALF.
 struct Channel {
     enum class Type { f32, u32 };
     std::string name;  ///< `layer.channel` with one dot, or R, G, B
@@ -35,10 +34,10 @@ struct ExrSpec {
     std::vector<std::pair<std::string, std::string>> attributes;  ///< `lostbits:scene`, ...; written as strings
 };
 
-/// What a PNG file is to be.
+/// Description of a PNG file.
 struct PngSpec {
     int width = 0, height = 0;
-    std::vector<std::pair<std::string, std::string>> words;  ///< its text chunks: keyword and text
+    std::vector<std::pair<std::string, std::string>> words;  ///< text chunks: keyword and text
 };
 
 /// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
@@ -46,45 +45,46 @@ class PngWriter {
 public:
     virtual ~PngWriter() = default;
 
-    /// The next `rows` rows. Throws EnvironmentError (a full disk), and std::logic_error for too many rows or a wrong
-    /// size.
+    /// Writes the next `rows` rows. Throws EnvironmentError (a full disk), and std::logic_error for too many rows or a
+    /// wrong size.
     virtual void write_rows(int rows, std::span<const Rgb8> pixels) = 0;
 
-    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
+    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error if rows are missing.
     virtual void close() = 0;
 };
 
-/// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size share height and baseline.
+/// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size have the same height and
+/// baseline.
 struct TextBitmap {
     int width = 0, height = 0;
-    int baseline = 0;  ///< rows from the top to the line that the letters stand on
+    int baseline = 0;  ///< rows from the top to the baseline
     std::vector<std::uint8_t> coverage;
 };
 
-/// A place on a canvas: pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
+/// A position on a canvas. Pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
 struct Point {
     double x, y;
 };
 
-/// A line through points, with round ends and joints; of no thickness, the polygon between them.
+/// A line through points, with round ends and joints. With zero thickness, the polygon between them.
 struct Figure {
     std::vector<Point> points;
     double thickness = 0;             ///< pixels
-    std::vector<double> dashes = {};  ///< the lengths of ink and gap in turn; empty: solid
+    std::vector<double> dashes = {};  ///< alternate lengths of ink and gap; empty: solid
 };
 
-/// Pixels of a canvas, from a corner on.
+/// A rectangle of pixels of a canvas, given by its corner.
 struct PixelBox {
     int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// One channel as it was read back, bit for bit.
+/// One channel as read back, bit for bit.
 struct ExrChannel {
     std::string name;
     std::variant<std::vector<float>, std::vector<std::uint32_t>> samples;  ///< row by row
 };
 
-/// An EXR file, or one part of it, in memory, channels sorted by name.
+/// An EXR file, or one part of it, in memory. Channels are sorted by name.
 struct ExrImage {
     int width = 0, height = 0;
     std::vector<ExrChannel> channels;
@@ -100,32 +100,32 @@ struct PngImage {
     std::vector<Rgb8> pixels;
 };
 
-/// What the module does. Safe to use from several threads.
+/// Functions of the module. They may be called from several threads.
 class ImageBackend {
 public:
     virtual ~ImageBackend() = default;
 
-    /// Opens `path` at once, as AtomicFile does, for width × height RGB pixels. In a run's own folder (see
-    /// file::ResultFolder) the file says what made it, in text chunks `lostbits:command` and `Software`. Throws
+    /// Opens `path` at once, like AtomicFile, for width × height RGB pixels. In a run's own folder (see
+    /// file::ResultFolder) the file records what made it, in the text chunks `lostbits:command` and `Software`. Throws
     /// EnvironmentError, and std::logic_error for a picture without pixels.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
 
-    /// `steps` (at least 2) colours of the ramp, low to high: viridis, inferno, magma, plasma or turbo. Throws
+    /// `steps` (at least 2) colours of the ramp from low to high: viridis, inferno, magma, plasma or turbo. Throws
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em; the exponent of a power of 2 or 10, `2^-10`, is raised
-    /// where it is not a part of a name. A character that DejaVu Sans lacks becomes a box; where the text is not UTF-8,
-    /// every byte beyond ASCII `?`. Throws EnvironmentError when that font is not installed.
+    /// One line of text with letters of `size` pixels per em. The exponent of a power of 2 or 10, `2^-10`, is raised
+    /// unless it is part of a name. A character that DejaVu Sans lacks becomes a box. If the text is not UTF-8, every
+    /// byte beyond ASCII becomes `?`. Throws EnvironmentError if the font is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size, bool bold = false) = 0;
 
-    /// How much of each pixel the figures cover together, 0 to 255, row by row.
+    /// Coverage of each pixel by all figures together, 0 to 255, row by row.
     [[nodiscard]] virtual std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) = 0;
 
-    /// The names of an EXR's parts, in their order; of a file without parts one empty name. Throws InputError.
+    /// Names of the parts of an EXR in their order; one empty name for a file without parts. Throws InputError.
     [[nodiscard]] virtual std::vector<std::string> exr_parts(const std::filesystem::path& path) = 0;
 
-    /// Reads an EXR, or one of its parts, HALF channels widened to float. Throws InputError.
+    /// Reads an EXR, or one of its parts. HALF channels are widened to float. Throws InputError.
     [[nodiscard]] virtual ExrImage read_exr(const std::filesystem::path& path, std::size_t part = 0) = 0;
 
     /// Reads an 8-bit RGB PNG. Throws InputError.
@@ -136,12 +136,12 @@ protected:
                                                 const PngSpec& spec) = 0;
 };
 
-/// Grows with every change of this header; a module of another build is refused rather than misread.
+/// Version of this header; increase it with every change. A module of another build is then refused and not misread.
 inline constexpr int image_module_abi = 5;
 
-/// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
-/// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says
-/// what to install or build.
+/// The module, loaded on the first call; later calls cost nothing. It is searched at $LOSTBITS_IMAGE_MODULE (if set,
+/// only there), beside the program, in `../lib/lostbits` and in `src/output` next to it. Throws EnvironmentError that
+/// says what to install or build.
 [[nodiscard]] ImageBackend& image_backend();
 
 }  // namespace lostbits::output::image

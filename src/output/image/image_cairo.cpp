@@ -1,5 +1,5 @@
-// What the image module draws with Cairo: text, in a font that is known by its file, and lines and polygons. Both come
-// as coverage, made of whole numbers and without looking up any setting of the user's: it is the same on every machine.
+// Drawing with Cairo in the image module: text in a font given by its file, and lines and polygons. Both are returned
+// as coverage. It is computed from whole numbers without any setting of the user's, so it is the same on every machine.
 #include <cairo-ft.h>
 
 #include <algorithm>
@@ -18,14 +18,14 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr double widest = 32767;  // pixels: Cairo has no picture beyond
+constexpr double widest = 32767;  // pixels; larger pictures are impossible in Cairo
 
 void check(cairo_status_t status) {
     if (status != CAIRO_STATUS_SUCCESS)
         throw EnvironmentError(std::string("cannot draw: ") + cairo_status_to_string(status));
 }
 
-/// A picture of coverage alone, nothing covered, and a pen for it.
+/// A picture that holds only coverage, empty at first, and a pen for it.
 class Paper {
 public:
     Paper(int width, int height)
@@ -51,7 +51,7 @@ private:
     std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen_;
 };
 
-/// DejaVu Sans where Debian, Fedora or Arch has it.
+/// DejaVu Sans at the paths of Debian, Fedora or Arch.
 FT_Face open_font(bool bold) {
     static FT_Library library = nullptr;
     const std::string file = bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
@@ -61,12 +61,13 @@ FT_Face open_font(bool bold) {
              {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/"})
             if (FT_New_Face(library, (folder + file).c_str(), 0, &face) == 0) return face;
     }
-    throw EnvironmentError("cannot draw text: the font " + file +
-                           " cannot be read; install the package fonts-dejavu-core, or where it is, select fewer "
-                           "forms, or raise `ulimit -n` and `ulimit -v`");
+    throw EnvironmentError(
+        "cannot draw text: the font " + file +
+        " cannot be read; install the package fonts-dejavu-core or, if it is installed, select fewer "
+        "forms, or raise `ulimit -n` and `ulimit -v`");
 }
 
-/// Hinted as FreeType does by itself, in greys: at 9 to 18 pixels letters are crisper so. Lives as long as the module.
+/// FreeType's own hinting in greys, which is crisper at 9 to 18 pixels. Lives as long as the module.
 cairo_scaled_font_t* make_font(int size, bool bold) {
     cairo_font_options_t* options = cairo_font_options_create();
     cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
@@ -90,7 +91,7 @@ cairo_scaled_font_t* font_of(int size, bool bold) {
                                 : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
 }
 
-/// Letters of one size in their places.
+/// Letters of one size with their positions.
 struct Letters {
     cairo_scaled_font_t* font;
     std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs;
@@ -118,8 +119,8 @@ Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& f
     return {font, {made, cairo_glyph_free}, count, extents.x_advance};
 }
 
-/// How many letters after the `^` at a place are the exponent of a power of 2 or 10 that stands alone; 0 where there is
-/// none, as in the name of a form, of a file or of what a formula computes.
+/// Number of letters after the `^` at an index that are the exponent of a power of 2 or 10 standing alone. 0 if there
+/// is none, as in the name of a form, of a file or of an operation.
 std::size_t exponent_after(std::string_view text, std::size_t place) {
     const auto ends_a_name = [](std::string_view before) {
         return !before.empty() &&
@@ -136,7 +137,8 @@ std::size_t exponent_after(std::string_view text, std::size_t place) {
     text.remove_prefix(place + 1);
     const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
     const auto number = text.substr(0, text.find_first_not_of(".0123456789", sign));
-    const std::size_t digits = number.find_last_of("0123456789") + 1;  // no dot that ends a sentence; 0 after npos
+    const std::size_t digits =
+        number.find_last_of("0123456789") + 1;  // without a dot that ends a sentence; 0 after npos
     return ends_a_name(before) || begins_one(text.substr(digits)) ? 0 : digits;
 }
 
@@ -146,8 +148,8 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     const KeepsFloatingPoint same;
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
-    // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level. Its digits are
-    // 0.73 em high, so that raised ones stay inside.
+    // The box of DejaVu Sans in em. A common line box keeps the baselines of different words level. Digits are 0.73 em
+    // high, so raised digits stay inside.
     TextBitmap out;
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));

@@ -31,15 +31,15 @@ fs::path find_module() {
         tried += "\n  " + candidate.lexically_normal().string();
     }
     throw EnvironmentError(
-        "cannot write images: the image module is missing; build the target `lostbits_image` (needs "
-        "libopenimageio-dev and libcairo2-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" +
+        "cannot write images: the image module is missing; build the target `lostbits_image` (it needs "
+        "libopenimageio-dev and libcairo2-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked for it at:" +
         tried);
 }
 
 [[noreturn]] void cannot_load(const fs::path& path, const char* why) {
     if (why != nullptr && intersect::device::lacks_memory(why))
         throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
-                               "; all that it needs takes 500 MB of addresses: raise `ulimit -v`");
+                               "; the module and its libraries take 500 MB of address space: raise `ulimit -v`");
     throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
                            "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2) and rebuild the "
                            "target `lostbits_image`");
@@ -48,8 +48,9 @@ fs::path find_module() {
 ImageBackend& load() {
     const fs::path path = find_module();
     const intersect::process::KeepsFloatingPoint same;
-    // Never closed: the library behind it starts threads and registers exit handlers.
-    // Lazily: looking up all 168 000 symbols of that library and of those it needs at once takes a tenth of a second.
+    // Never closed, because the library behind it starts threads and registers exit handlers.
+    // Lazy, because resolving all 168 000 symbols of the library and its dependencies at once takes a tenth of a
+    // second.
     void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (handle == nullptr) cannot_load(path, ::dlerror());
     const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
@@ -63,7 +64,7 @@ ImageBackend& load() {
 
 ImageBackend& image_backend() {
     static std::mutex mutex;
-    static ImageBackend* backend = nullptr;  // a failed load is tried again, and so reported again
+    static ImageBackend* backend = nullptr;  // a failed load is tried again, and reported again
     const std::lock_guard lock(mutex);
     if (backend == nullptr) backend = &load();
     return *backend;

@@ -1,5 +1,5 @@
-// The image module: all of OpenImageIO that the program touches. Built as `lostbits_image`, loaded at run time. Here
-// is what it reads and writes; image_cairo.cpp draws.
+// The image module: everything that the program uses of OpenImageIO. Built as `lostbits_image` and loaded at run time.
+// This file reads and writes; image_cairo.cpp draws.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -25,7 +25,7 @@ std::uint8_t to_srgb8(float linear) {
 }
 
 std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, std::string_view format) {
-    // By its name: by itself the library would try the readers of all formats that it knows.
+    // Name the format, because otherwise the library tries the readers of all formats that it knows.
     auto in = OIIO::ImageInput::create(std::string(format));
     OIIO::ImageSpec spec;
     if (!in || !in->open(path.string(), spec)) {
@@ -40,8 +40,8 @@ ClaimedPixels claimed(const OIIO::ImageSpec& spec, std::uint64_t most_of_a_byte)
             most_of_a_byte};
 }
 
-/// Hands the library's bytes to a file::ByteSink and keeps the first error: the library would turn it into a flag, or,
-/// in a destructor, into nothing.
+/// Passes the library's bytes to a file::ByteSink and keeps the first error. The library would turn it into a flag, or
+/// lose it in a destructor.
 class SinkProxy final : public OIIO::Filesystem::IOProxy {
 public:
     SinkProxy(std::unique_ptr<file::ByteSink> sink, const std::string& path)
@@ -60,7 +60,7 @@ public:
         return guarded([&] { sink_->write({bytes, size}); }) ? size : 0;
     }
 
-    /// From here on bytes go nowhere: the library writes a tail even when it is told to stop.
+    /// Drops all later bytes, because the library writes a tail even when it is told to stop.
     void discard() noexcept { discarding_ = true; }
 
     [[nodiscard]] bool failed() const noexcept { return failure_ != nullptr; }
@@ -94,14 +94,14 @@ OIIO::ImageSpec image_spec(const PngSpec& png) {
     OIIO::ImageSpec spec(png.width, png.height, 3, OIIO::TypeDesc::UINT8);
     for (const auto& [keyword, text] : png.words) spec.attribute(keyword, text);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    // Of 1024 x 1024 heatmaps, which have few colours and much noise, level 2 without filters makes files a third
+    // For heatmaps of 1024 x 1024, which have few colours and much noise, level 2 without filters makes files a third
     // smaller than the default (level 6, every filter tried) in a quarter of its time.
     spec.attribute("png:filter", 8);  // PNG_FILTER_NONE
     spec.attribute("png:compressionLevel", 2);
     return spec;
 }
 
-/// An ImageOutput on a SinkProxy, rows in order, errors rethrown.
+/// An ImageOutput on a SinkProxy. Rows come in order, and errors are rethrown.
 class OiioPng final : public PngWriter {
 public:
     OiioPng(std::unique_ptr<file::ByteSink> sink, const std::string& path, const PngSpec& spec)
@@ -116,9 +116,9 @@ public:
         check(out_->open(path, image_spec(spec)));
     }
 
-    /// A file that was not closed ends here, and its bytes go nowhere. libpng insists on finishing a picture: with rows
-    /// lacking it complains on stderr or, after a failed write, compresses for ever. Its writer is let go instead: a
-    /// leak of one row's buffers in a run that is ending anyway.
+    /// A file that was not closed is abandoned, and its bytes are dropped. libpng insists on finishing a picture: if
+    /// rows are missing it complains on stderr or, after a failed write, compresses forever. So its writer is leaked:
+    /// the buffers of one row, in a run that is ending anyway.
     ~OiioPng() override {
         if (!out_) return;
         proxy_.discard();
@@ -169,7 +169,7 @@ class OiioBackend final : public ImageBackend {
 public:
     OiioBackend() {
         const KeepsFloatingPoint same;
-        // The caller spreads files over its own threads; the library's pools would only fight them.
+        // The caller spreads files over its own threads, and the library's pools would compete with them.
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
     }
@@ -232,7 +232,7 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
     if (!in->seek_subimage(place, 0))
         throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
     const OIIO::ImageSpec& spec = in->spec();
-    require_room(path, claimed(spec, 0), 2);  // the heads were held against the file
+    require_room(path, claimed(spec, 0), 2);  // the headers were checked against the file
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
     std::vector<std::byte> pixels(count * stride);
@@ -284,7 +284,7 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     const auto in = open_input(path, "png");
     const OIIO::ImageSpec& spec = in->spec();
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
-        throw InputError(path.string() + ": is not an 8-bit RGB picture");
+        throw InputError(path.string() + ": not an 8-bit RGB picture");
     }
     require_room(path, claimed(spec, 1032), 1);  // deflate: RFC 1951
     PngImage out{spec.width, spec.height, {}};
@@ -302,7 +302,7 @@ extern "C" __attribute__((visibility("default"))) int lostbits_image_abi() {
     return lostbits::output::image::image_module_abi;
 }
 
-/// The one instance, never destroyed: files may still be open when static objects go.
+/// The only instance. It is never destroyed, because files may still be open when static objects are destroyed.
 extern "C" __attribute__((visibility("default"))) lostbits::output::image::ImageBackend* lostbits_image_backend() {
     static auto* backend = new lostbits::output::image::OiioBackend;
     return backend;

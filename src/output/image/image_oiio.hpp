@@ -1,6 +1,6 @@
-// What the parts of the image module share; no part of the program includes it. And what an EXR file must hold before
-// the library is asked to read it, which takes memory for whatever a head claims. Layout:
-// https://openexr.com/en/latest/OpenEXRFileLayout.html.
+// Parts shared by the files of the image module; no other part of the program includes it. It also checks what an EXR
+// file must hold before the library reads it, because the library allocates memory for whatever a header claims.
+// Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
 #pragma once
 
 #include <algorithm>
@@ -21,27 +21,27 @@
 
 namespace lostbits::output::image {
 
-/// Around whatever calls the library.
+/// Guard for every call of the library.
 using intersect::process::KeepsFloatingPoint;
 
-/// What is behind ImageBackend::render_text and cover.
+/// Implementations of ImageBackend::render_text and cover.
 [[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
 
-/// A product of sizes, or as much as there can be where it is more: 2^30 × 2^30 pixels of 16 bytes would be none.
+/// Product of two sizes, or the largest number if it overflows: 2^30 × 2^30 pixels of 16 bytes would wrap to 0.
 inline std::uint64_t room_of(std::uint64_t a, std::uint64_t b) {
     constexpr auto most = std::numeric_limits<std::uint64_t>::max();
     return b != 0 && a > most / b ? most : a * b;
 }
 
-/// The pixels that a head claims.
+/// Pixels that a header claims.
 struct ClaimedPixels {
     std::uint64_t width = 0, height = 0, bytes_each = 0;
-    std::uint64_t most_of_a_byte = 0;  ///< so many bytes the format makes of one of the file; 0: nobody knows
+    std::uint64_t most_of_a_byte = 0;  ///< most bytes that one byte of the file can become; 0: unknown
 };
 
-/// A head may claim any size: nothing is allocated for pixels that the file cannot hold (InputError), or this machine
-/// cannot (EnvironmentError). `copies` of the pixels are held at a time.
+/// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can (EnvironmentError),
+/// before anything is allocated. `copies` of the pixels are in memory at a time.
 inline void require_room(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
     const std::uint64_t bytes = room_of(room_of(pixels.width, pixels.height), pixels.bytes_each);
     std::error_code unknown;
@@ -55,8 +55,8 @@ inline void require_room(const std::filesystem::path& path, const ClaimedPixels&
     file::require_memory(room_of(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
 }
 
-/// Walks through the heads of an EXR file. InputError where an attribute, or the table of where the blocks of pixels
-/// begin, would reach beyond the end of the file, and as `require_room` has it.
+/// Reads the headers of an EXR file. Throws InputError if an attribute, or the table of block offsets, reaches beyond
+/// the end of the file, and the errors of `require_room`.
 class ExrHeads {
 public:
     explicit ExrHeads(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
@@ -75,7 +75,7 @@ public:
         }
         if (room_of(blocks, 8) > size_ - at_) cut_off();
     }
-    /// Of all parts.
+    /// Total of all parts.
     [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
 
 private:
@@ -87,13 +87,13 @@ private:
         std::uint64_t tile_width = 1, tile_height = 1;
     };
 
-    /// Bytes that a byte of the file can become, and lines a block, of each compression in OpenEXR's order: none, RLE
+    /// Largest growth of a byte of the file, and lines per block, for each compression in OpenEXR's order: none, RLE
     /// (two bytes for 128), ZIP of one line and of 16 (deflate's longest match takes two bits, RFC 1951), PIZ, PXR24,
     /// B44, B44A, DWAA, DWAB.
     static constexpr std::array<unsigned, 10> growth{1, 64, 1032, 1032, 0, 0, 0, 0, 0, 0},
         lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 
-    /// Of types whose values have one size each.
+    /// Sizes of types whose values all have one size.
     static constexpr std::array<std::pair<std::string_view, unsigned>, 24> sizes{{{"box2f", 16},
                                                                                   {"box2i", 16},
                                                                                   {"chromaticities", 32},
@@ -121,7 +121,7 @@ private:
     static constexpr auto text_end = std::string::npos;
 
     [[noreturn]] void cut_off() const {
-        throw InputError(path_.string() + ": is cut off, or damaged in its head; give one that is complete");
+        throw InputError(path_.string() + ": the file is cut off, or its header is damaged; give a complete file");
     }
     std::uint64_t number(std::uint64_t bytes) {
         std::array<unsigned char, 8> raw{};
@@ -163,7 +163,8 @@ private:
         if (head.compression < growth.size()) head.pixels.most_of_a_byte = growth[head.compression];
         return head;
     }
-    /// The library reads what a type has, whatever size is told, and takes memory for lengths within.
+    /// Checks the size of a value. The library reads the size that the type has, whatever the header says, and
+    /// allocates memory for lengths inside the value.
     void require_value(const std::string& type, std::uint64_t bytes) {
         const auto fixed = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
         if (fixed != sizes.end() && fixed->second != bytes) cut_off();
@@ -190,7 +191,8 @@ private:
         at_ += bytes;
         return read;
     }
-    /// Of a list of channels: a name, a type (HALF is 1) and 12 more bytes each; an empty name ends it.
+    /// Bytes per pixel of a list of channels. A channel is a name, a type (HALF is 1) and 12 more bytes; an empty name
+    /// ends the list.
     std::uint64_t pixel_bytes(std::uint64_t end) {
         std::uint64_t bytes = 0;
         while (!name().empty()) {

@@ -53,12 +53,12 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     if (complete() && factor_ == 0 && shrink_ == Shrink::average) resolve();
 }
 
-/// Pixel i of an axis takes sample ⌊(2i + 1)·f/(2·t)⌋ of f. With t ≤ f no two pixels take the same.
+/// Pixel i of an axis takes sample ⌊(2i + 1)·f/(2·t)⌋ of f. If t ≤ f, no two pixels take the same sample.
 void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
     const auto middle = [](std::int64_t i, std::int64_t field, std::int64_t thumbnail) {
         return (2 * i + 1) * field / (2 * thumbnail);
     };
-    // The pixel whose middle lies in this row, if any, is the one that its top lies in or the next.
+    // The pixel whose middle lies in this row, if any, is the one in which the top of the row lies, or the next one.
     std::int64_t j = static_cast<std::int64_t>(y) * height_ / field_height_;
     if (middle(j, field_height_, height_) != y) ++j;
     if (j >= height_ || middle(j, field_height_, height_) != y) return;
@@ -78,7 +78,7 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         return;
     }
     if (shrink_ == Shrink::pick) return pick_row(y, samples);
-    // A row once, and its sums into one or two rows of pixels: the weights are products.
+    // Sum a row once, then add its sums to one or two rows of pixels, because the weights are products.
     static const auto lights = [] {
         std::array<std::uint64_t, 256> all{};
         for (std::size_t i = 0; i < all.size(); ++i) all[i] = linear_light(static_cast<std::uint8_t>(i));
@@ -102,8 +102,8 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
     }
 }
 
-/// On an axis cut into field · thumbnail parts, sample x covers [x·t, (x+1)·t) and pixel i covers [i·f, (i+1)·f): all
-/// overlaps are whole numbers, and those of one pixel sum to f. With t ≤ f a sample meets at most two pixels.
+/// On an axis cut into field · thumbnail parts, sample x covers [x·t, (x+1)·t) and pixel i covers [i·f, (i+1)·f). All
+/// overlaps are whole numbers, and those of one pixel sum to f. If t ≤ f, a sample meets at most two pixels.
 std::vector<Thumbnail::Fall> Thumbnail::falls(std::int64_t field, std::int64_t thumbnail) {
     std::vector<Fall> all;
     for (std::int64_t x = 0; x < field; ++x) {

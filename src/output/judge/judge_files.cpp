@@ -27,7 +27,7 @@ namespace slot = scene::dump::slot;
 
 namespace {
 
-/// What a map asks of its scene: a name, a size, the shapes of its solids, and whether it has a mesh.
+/// The scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
 scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
@@ -42,7 +42,7 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
     return scene;
 }
 
-/// What the name of a ray is to `lostbits explain`; nothing of a ray whose solids are too many to be named.
+/// Arguments of `lostbits explain` that name a ray; empty if its primitives are too many to be named.
 std::string name_of(const measure::evaluate::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); }
 
 std::string case_name(const TestedForm& row, const NotedRay& ray) {
@@ -52,7 +52,7 @@ std::string case_name(const TestedForm& row, const NotedRay& ray) {
     return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, what);
 }
 
-/// A ray of a chunk of the file.
+/// A ray in a chunk of the file.
 struct JudgedRay {
     const scene::dump::Chunk* chunk;
     map::BandRay found;
@@ -60,13 +60,13 @@ struct JudgedRay {
 
 bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.found.i] != 0; }
 
-/// What the file has of a ray and its solid.
+/// Columns with the file's data on a ray and its primitive.
 Table<JudgedRay> given_columns(const Dump& dump) {
     using R = JudgedRay;
     const Layout& layout = dump.layout();
-    Table<R> table{{"ray", "integer", "", "place of the ray in the file, from 0",
+    Table<R> table{{"ray", "integer", "", "index of the ray in the file, from 0",
                     [](const R& r) { return r.chunk->first + r.found.i; }}};
-    // Numbers of files of floats are written as short as floats are.
+    // Numbers of files of floats are written as short as floats allow.
     const bool narrow = dump.format().engine == Format::Engine::native32;
     const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
@@ -77,27 +77,27 @@ Table<JudgedRay> given_columns(const Dump& dump) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
     };
     for (int k = 0; k < 6; ++k)
-        add_number(slot::origin + static_cast<std::size_t>(k), "of the ray, as it was judged",
+        add_number(slot::origin + static_cast<std::size_t>(k), "number of the ray, as it was judged",
                    [k](const Chunk& c, std::size_t i) {
                        const Ray<double> ray = c.rays[i];
                        return k < 3 ? ray.origin[k] : ray.direction[k - 3];
                    });
-    add_number(slot::tmin, "where the range of the ray begins",
+    add_number(slot::tmin, "beginning of the ray's range",
                [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
-    add_number(slot::tmax, "where it ends", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
+    add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
     for (std::size_t s = slot::solid; s < slot::t; ++s)
-        add_number(s, "of the ray's solid, as it was judged",
+        add_number(s, "number of the ray's primitive, as it was judged",
                    [k = s - slot::solid](const Chunk& c, std::size_t i) { return c.solids[i].used()[k]; });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
-        add_number(s, "of its matrix, as it was judged",
+        add_number(s, "number of the primitive's matrix, as it was judged",
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.solids[i].placed->matrix[k]; });
-    add(slot::hit, "boolean", "whether the file has a hit there", has_hit);
-    add(slot::t, "number", "the file's answer; missing where it has no hit",
+    add(slot::hit, "boolean", "true if the file has a hit for this ray", has_hit);
+    add(slot::t, "number", "the file's answer; missing if it has no hit",
         [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.found.i]) : Cell(); });
     return table;
 }
 
-/// The columns of one row of the work. `decides`: its answers have no t.
+/// Columns of the table of one row. `decides`: its answers have no t.
 Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::metric::Metric*>& metrics,
                            bool decides = false) {
     using Found = map::BandRay;
@@ -108,15 +108,15 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     Table<JudgedRay> table = given_columns(dump);
     const std::size_t kept = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept; ++k) {
-        std::string name = file::csv_text(dump.layout().kept()[k]);  // a column may be called like a formula
+        std::string name = file::csv_text(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
-        table.add({name, "string", "", "as the file has it",
+        table.add({name, "string", "", "this column of the file, unchanged",
                    [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});
     }
     return table.add(found, &JudgedRay::found);
 }
 
-/// The files of one row.
+/// Files of one row.
 class RowParts {
 public:
     RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
@@ -155,7 +155,7 @@ struct JudgeFiles::Parts {
     std::optional<file::AtomicFile> worst = {};
     std::vector<std::unique_ptr<RowParts>> rows = {};
 
-    /// Of a shard: the map's piece of a row takes with it the lines of the row's table.
+    /// For a shard: adds the lines of the row's table to the map's piece of the row.
     [[nodiscard]] map::KeepPiece keep_of_map() {
         if (!options.keep) return {};
         return [this](std::size_t row, map::MapPiece&& piece) {
@@ -228,7 +228,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
         p.worst->write(sweep::head_of_cases("The worst rays of " + p.options.title, p.options.command) + cases);
         p.worst->commit();
     }
-    // That of an earlier run is about other answers.
+    // A worst.toml of an earlier run is about other answers.
     std::error_code ignored;
     if (!any) std::filesystem::remove(p.options.folder / "worst.toml", ignored);
     p.map->finish(result.summaries, result.groups);

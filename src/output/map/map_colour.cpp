@@ -18,7 +18,7 @@ Rgb8 paler(Rgb8 c) {
 }
 
 std::string plain_name(Outcome o) {
-    if (o == Outcome::wrong_object) return "wrong solid";
+    if (o == Outcome::wrong_object) return "wrong primitive";
     std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     if (name.starts_with("agree_")) name.replace(0, 5, "correct");
     std::ranges::replace(name, '_', ' ');
@@ -63,7 +63,8 @@ Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
-    // A correct hit for which the metric does not exist (a form with no exact value there) has its outcome's colour.
+    // A correct hit on which the metric is undefined (the form has no exact value there) gets the colour of its
+    // outcome.
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }
 

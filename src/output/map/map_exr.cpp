@@ -17,11 +17,11 @@ using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using measure::truth::missing;
 
-/// What rows with the same truth share; the first of them fills it.
+/// Data that rows with the same truth share. The first of these rows fills it.
 struct MapExr::Truths {
     intersect::Direction direction;
     intersect::Convention convention;
-    const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
+    const scene::camera::Maker* maker;  ///< its ideal rays may have other origins
     const TestedForm* filled_by;
     pixel::ExrLayers<MapStrip> layers;
 
@@ -49,7 +49,7 @@ namespace {
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-/// Whether every number of the format is one of binary32.
+/// True if every number of the format is a number of binary32.
 bool is_within_float(const Format& format) {
     const FloatFormat& f = format.parameters;
     return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;

@@ -1,4 +1,4 @@
-// The EXR of a scene's map: every value that the pictures were made of, a part a row.
+// The EXR of a scene's map: every value that the pictures were made of, with one part per row.
 #pragma once
 
 #include <filesystem>
@@ -16,15 +16,15 @@
 
 namespace lostbits::output::map {
 
-/// What is written and how it was asked for.
+/// What to write, and the command behind it.
 struct MapExrRequest {
     const measure::evaluate::EvaluationRequest& map;
-    std::vector<const measure::metric::Metric*> layers;        ///< of the map's metrics
-    std::string command;                                       ///< what to type to make the file again
-    const measure::evaluate::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
+    std::vector<const measure::metric::Metric*> layers;        ///< a selection of the map's metrics
+    std::string command;                                       ///< the command that makes the file again
+    const measure::evaluate::NeededRequest* needed = nullptr;  ///< null: bits needed are not asked for
 };
 
-/// What a part takes of a band; all its pixels have a preview.
+/// A band and the preview of all its pixels, which a part takes.
 template <class Result>
 struct Previewed {
     const Result* result;
@@ -33,7 +33,7 @@ struct Previewed {
 using MapStrip = Previewed<measure::evaluate::BandResult>;
 using NeededStrip = Previewed<measure::evaluate::NeededBand>;
 
-/// Rows of a part, as the file has them.
+/// Rows of a part, as stored in the file.
 struct ExrRows {
     std::uint64_t part = 0;
     int y0 = 0, rows = 0;
@@ -46,32 +46,33 @@ void fields(Bits& bits, ExrRows& piece) {
     bits(part, y0, rows, samples);
 }
 
-/// Parts, in this order, all channels of 32 bits:
-/// - `<form>.<format>`, one a row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below); `class.outcome`,
-///   `class.object` (UINT; 0 is none, otherwise 1 + the number of the solid, counted from 0); one FLOAT channel a
-///   metric, NaN where it does not exist. The attribute `lostbits:truth` names the part with the row's truth.
-/// - `truth…`, one for each way of the rows to ask: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
-///   hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
-/// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity where not even 53 suffice, NaN where the
-///   truth is unresolved), `class.truth`, `class.truth_object`.
-/// A number x is `x.hi` (FLOAT); and where its format is not within binary32 also `x.lo` (hi + lo is good to 48 bits,
-/// for viewers), `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
+/// Parts, in this order, with channels of 32 bits:
+///  - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
+///    `class.outcome`; `class.object` (UINT; 0 is none, otherwise 1 + the index of the primitive, counted from 0); one
+///    FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the row's
+///    truth.
+///  - `truth…`, one for each convention of the rows: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
+///    hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
+///  - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity if not even 53 suffice, NaN if the truth
+///    is unresolved), `class.truth`, `class.truth_object`.
+/// A number x is `x.hi` (FLOAT). If its format is not within binary32, there are also `x.lo` (hi + lo is good to 48
+/// bits, for viewers), and `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
 public:
-    /// Without a path there is no file: `rows_of` alone may be asked.
+    /// Without a path no file is written; only `rows_of` may be called.
     MapExr(const std::filesystem::path& path, const MapExrRequest& request);
     ~MapExr();
     MapExr(const MapExr&) = delete;
     MapExr& operator=(const MapExr&) = delete;
 
-    /// What the file has of a band of a row of the map, its truth where no other row has it; or of a form of the bits
-    /// needed.
+    /// Rows of the file for a band of a row of the map, with its truth unless another row has it; or for a band of the
+    /// bits needed by a form.
     [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::TestedForm& row,
                                                const measure::evaluate::BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
     [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::NeededBand& result,
                                                std::span<const image::Rgb8> preview) const;
-    /// The next rows of their parts. Parts may be served at the same time.
+    /// Writes the next rows of their parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& pieces);
     void close();
 
@@ -87,13 +88,13 @@ private:
     std::unique_ptr<image::ExrBook> book_;
 };
 
-/// What the files of a map take of a band of one of its rows, or of a form of the bits needed: what a shard keeps, and
-/// what is written where there are none.
+/// Everything that the files of a map take from a band of a row, or of the bits needed by a form. A shard keeps it;
+/// otherwise it is written.
 struct MapPiece {
     int y0 = 0;
     std::vector<pixel::Strip> strips = {};  ///< of each picture that is drawn, in their order
     std::vector<ExrRows> exr = {};
-    std::string lines = {};  ///< of the table of pixels
+    std::string lines = {};  ///< lines of the table of pixels
 
     [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
 };
@@ -104,7 +105,7 @@ void fields(Bits& bits, MapPiece& piece) {
     bits(y0, strips, exr, lines);
 }
 
-/// Takes the pieces of each row in place of the files, of which none is opened then.
+/// Receives the pieces of each row instead of the files; then no file is opened.
 using KeepPiece = std::function<void(std::size_t row, MapPiece&& piece)>;
 
 }  // namespace lostbits::output::map

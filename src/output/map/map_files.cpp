@@ -24,7 +24,7 @@ namespace {
 
 using MapRowFiles = RowFiles<BandResult, BandRay>;
 
-/// The preview of a row that none of the metrics applies to.
+/// Preview of a row to which none of the metrics applies.
 std::vector<image::Rgb8> outcomes_of(const BandResult& result) {
     std::vector<image::Rgb8> field(result.outcomes.size());
     std::ranges::transform(result.outcomes, field.begin(), pixel::colour_of);
@@ -47,8 +47,8 @@ struct MapFiles::Parts {
         if (!options.listed) return table;
         for (auto& c : table)
             if (c.about.unit == "pixel") c.about.unit = "";
-        table.set_meaning("rays", "rays of the file");
-        table.set_meaning("worst_x", "place in the file, from 0, of the ray with the largest |ulp_error|");
+        table.set_meaning("rays", "number of rays in the file");
+        table.set_meaning("worst_x", "index in the file, from 0, of the ray with the largest |ulp_error|");
         table.set_meaning("worst_y", "0");
         return table;
     }
@@ -72,7 +72,7 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
-    // In front of an hour of drawing titles.
+    // Check before an hour of work is spent.
     const std::size_t of_row = (options.singles ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
                              "select fewer forms, formats or metrics");

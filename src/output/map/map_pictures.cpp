@@ -29,7 +29,7 @@ std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
 }
 
-/// `contribution.c`: a metric's name where no colon may be.
+/// `contribution.c`: name of a metric for a file, without colons.
 std::string file_word(const Metric& metric) {
     std::string word(metric.name);
     std::ranges::replace(word, ':', '.');
@@ -72,7 +72,7 @@ pixel::Pages MapPictures::pages() {
 }
 
 pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
-    std::vector<image::ColourScale> scales;  // one a line
+    std::vector<image::ColourScale> scales;  // one per line
     for (const TestedForm& row : request_.rows) {
         if (!sheet.paint.applies_to(row)) continue;
         static_cast<void>(find_or_add(sheet.forms, short_name(*row.form->info)));
@@ -101,7 +101,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .note_lines = cell_note_lines}};
 }
 
-/// Row by row, in the order of what is drawn.
+/// Adds the columns row by row, in the order in which they are drawn.
 std::vector<MapPictures::Column> MapPictures::add_columns() {
     std::vector<Column> columns;
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
@@ -143,7 +143,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     const auto paler_of = [pixel_of, look = spec.look, lost = lost_, excess = excess_](const BandResult& band,
                                                                                        std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
-        // NaN, where a metric does not exist, is inside nothing.
+        // NaN, an undefined metric, is never inside.
         if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
     };
@@ -163,8 +163,8 @@ bool MapPictures::is_enveloped(const Metric& drawn) const {
     return options_.envelope && &drawn == measure::metric::find_metric("lost_bits");
 }
 
-/// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
-/// compiled elsewhere leaves nothing to explain, and a ray of a file has no scene.
+/// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`. Without the command for
+/// a compiled form, which cannot be explained, and for rays of a file, which have no scene.
 std::string MapPictures::worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst()) return "";
     const TestedForm& row = request_.rows[drawing.row];
@@ -201,13 +201,13 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
 
 std::string input_note(const scene::file::Scene& scene, std::span<const measure::evaluate::TestedForm> rows) {
     if (scene.inputs == scene::file::Inputs::own)
-        return "each format rounds the ideal scene itself: errors include what that costs (metric input_error)";
+        return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow;
     for (const measure::evaluate::TestedForm& row : rows) {
         if (!holds_shared_inputs(row.format.parameters)) static_cast<void>(find_or_add(narrow, row.format.name));
     }
     if (narrow.empty()) return "";
-    return fmt::format("in {} the inputs are rounded too: errors include what that costs (metric input_error)",
+    return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",
                        file::enumerated(narrow));
 }
 
@@ -215,17 +215,18 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
                                         std::span<const measure::evaluate::TestedForm> rows, const MetricPaint& paint,
                                         bool several) {
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
-                                               paint.metric().by_run ? "" : "; percentages are of all of them"),
+                                               paint.metric().by_run ? "" : "; percentages are of all rays"),
                                    paint.note(several), paint.quantile_note(),
                                    rows.empty() ? "" : input_note(scene, rows)};
     if (!rows.empty())
-        lines.push_back(fmt::format("forms: fewest wrong decisions in {} first, then the least p99 of lost bits there",
-                                    rows.front().format.name));
+        lines.push_back(
+            fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
+                        rows.front().format.name));
     if (paint.names_worst())
         lines.push_back(
             named.empty()
-                ? "worst pixel: the command that explains its ray is worst_explain in summary.csv"
-                : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} says how its "
+                ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
+                : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
                               "answer came about",
                               named, blame::where_forms_are_from()));
     std::erase(lines, "");
@@ -238,7 +239,7 @@ std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSum
 }
 
 std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {
-    constexpr double none = std::numeric_limits<double>::infinity();  // of too few hits: behind all others
+    constexpr double none = std::numeric_limits<double>::infinity();  // with too few hits: after all others
     std::vector<std::optional<std::pair<std::uint64_t, double>>> worth(forms);
     for (const auto& [form, summary] : cells) {
         if (worth[form]) continue;

@@ -1,5 +1,5 @@
-// The pictures of a map: of each row and metric a column of pixels, on contact sheets and alone; and what stands above
-// and below them: what percentages are of, what colours and words mean, what was rounded before.
+// The pictures of a map: one column of pixels for each row and metric, on contact sheets and alone; and the text above
+// and below them: bases of percentages, meanings of colours and words, and earlier roundings.
 #pragma once
 
 #include <memory>
@@ -15,35 +15,35 @@
 
 namespace lostbits::output::map {
 
-/// Whether the format holds every number of binary32, as which shared inputs are stored.
+/// True if the format holds every number of binary32, the format of shared inputs.
 [[nodiscard]] constexpr bool holds_shared_inputs(const FloatFormat& f) {
     return f.precision >= binary32.precision && f.emax >= binary32.emax && f.emin <= binary32.emin;
 }
 
-/// Says of which formats of the rows the errors include what rounding the inputs costs. Empty where they are shared and
+/// Note that names the formats whose errors include the rounding of the inputs. Empty if the inputs are shared and
 /// every format holds them.
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene,
                                      std::span<const measure::evaluate::TestedForm> rows);
 
-/// The lines below the title of a contact sheet, on which one metric has `several` bars or not; `named` is what names
-/// the scene to `lostbits explain`, empty for rays of a file. Without rows nothing is said of inputs.
+/// Lines below the title of a contact sheet. `several`: the sheet has several colour bars. `named` names the scene to
+/// `lostbits explain`; it is empty for rays of a file. Without rows nothing is said about inputs.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
                                                       std::span<const measure::evaluate::TestedForm> rows,
                                                       const MetricPaint& paint, bool several);
 
-/// Four of a glance, and one that names the worst pixel.
+/// Four lines of a glance, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
-/// What stands below a cell of a sheet: a glance, and `worst pixel 100,90`, where a ray is worse than another.
+/// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
 [[nodiscard]] std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary,
                                     std::size_t m);
 
-/// What was found of a form, in the format that a sheet has first.
+/// Result of a form in the first format of a sheet.
 struct SheetCell {
     std::size_t form;
     const measure::evaluate::FormSummary* summary;
 };
-/// So many forms by fewest wrong decisions, then by the least p99 of lost bits (metric `lost` of the request), as they
-/// came where both are the same. Of several cells of a form the first counts.
+/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
+/// request), then the given order. Of several cells of a form the first counts.
 [[nodiscard]] std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells,
                                                   std::size_t lost);
 
@@ -51,7 +51,7 @@ struct MapFilesOptions;
 
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct MapSheet {
-    MetricPaint paint;  ///< of all its metrics, in the first format
+    MetricPaint paint;  ///< for all its metrics, in the first format
     std::vector<const measure::metric::Metric*> metrics;
     std::vector<std::string> forms = {}, lines = {};
 
@@ -61,22 +61,22 @@ struct MapSheet {
     }
 };
 
-/// Metrics that are drawn alike share a sheet. In a shard no file is opened.
+/// Draws the pictures. Metrics that are drawn alike share a sheet. A shard opens no file.
 class MapPictures {
 public:
-    /// Both must outlive it.
+    /// Both arguments must outlive the object.
     MapPictures(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
 
-    /// The first of a row's pictures is also the preview's.
+    /// Files of the columns. The first picture of a row is also its preview.
     [[nodiscard]] pixel::ColumnFiles<measure::evaluate::BandResult>& files() { return files_; }
     /// Draws the pages and gives the files their final names.
     void finish(const std::vector<measure::evaluate::FormSummary>& summaries);
 
 private:
     using Column = pixel::PixelColumn<measure::evaluate::BandResult>;
-    /// What a column draws.
+    /// The subject of a column.
     struct Drawing {
-        std::size_t row, metric;  ///< of the request
+        std::size_t row, metric;  ///< indices in the request
         std::shared_ptr<const MetricPaint> paint;
         pixel::SheetPlace place;
     };
@@ -92,9 +92,10 @@ private:
 
     const measure::evaluate::EvaluationRequest& request_;
     const MapFilesOptions& options_;
-    std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
+    std::size_t lost_,
+        excess_;  ///< indices of metrics in the request; `excess_` is the number of metrics without an envelope
     std::vector<MapSheet> sheets_;
-    std::vector<Drawing> drawings_;  ///< one a column
+    std::vector<Drawing> drawings_;  ///< one per column
     pixel::ColumnFiles<measure::evaluate::BandResult> files_;
 };
 

@@ -61,16 +61,17 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     table.add(table::subject_columns(), &R::row);
     add_columns(table, of_rays);
     add_columns(table, measure::evaluate::worst_columns(shapes));
-    table.add({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again",
+    table.add({"worst_explain", "string", "", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return command(r, &r.summary->worst); }});
     add_columns(table, measure::evaluate::fault_columns());
     table.add({"fault_explain", "string", "", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
-    by = file::csv_text(by);  // a column may be called like a formula, or like one of ours
+    by = file::csv_text(by);  // a column may have the name of a formula, or of a column of ours
     while (table.find(by) != nullptr) by = "file_" + by;
-    return Table<R>{{by, "string", "", "what the rays of this row have there; missing: all rays", &R::group}}.add(
-        std::move(table));
+    return Table<R>{
+        {by, "string", "", "value that the rays of this row have in that column; missing: all rays", &R::group}}
+        .add(std::move(table));
 }
 
 std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
@@ -96,10 +97,10 @@ table::Table<Culprit> culprit_table() {
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
     table.add({{"operation", "string", "",
-                "what the form computes there; one axis stands for all three, and one round of a loop for every round",
+                "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
                 &R::operation},
-               {"culprit_rays", "integer", "", "rays whose culprit it is: correct hits, false hits and false misses",
-                &R::rays},
+               {"culprit_rays", "integer", "",
+                "rays whose culprit is this operation: correct hits, false hits and false misses", &R::rays},
                {"culprit_fraction", "number", "1", "their share of the rays that have a culprit", &R::fraction}});
     return table;
 }
@@ -156,9 +157,9 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
                         return static_cast<std::size_t>(r.result->y0) + r.i / width;
                     }},
                    outcome_column(),
-                   {"object", "integer", "", "solid that the form hit, from 0",
+                   {"object", "integer", "", "primitive that the form hit, from 0",
                     [](const R& r) { return when(r.hit(), r.result->answers->object[r.i]); }},
-                   {"truth_object", "integer", "", "solid that the ray truly hits first, from 0", [](const R& r) {
+                   {"truth_object", "integer", "", "primitive that the ray truly hits first, from 0", [](const R& r) {
                         const measure::truth::Truth& truth = r.result->truth(r.i);
                         return when(truth.is_hit(), truth.object);
                     }}};

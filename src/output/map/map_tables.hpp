@@ -13,7 +13,7 @@
 
 namespace lostbits::output::map {
 
-/// What comes after `lostbits explain` to name a ray of a summary: `near-benign --pixel 3,4`; empty where nothing does.
+/// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if there are none.
 using NameOfRay = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
 /// A row of a map, or a group of its rays.
@@ -24,19 +24,19 @@ struct SummaryRow {
     file::Cell group = {};  ///< missing: all rays
 };
 
-/// What is known of a row of the map, as the columns of `measure::evaluate::summary_columns`, `worst_columns` and
-/// `fault_columns`, the last two with the command that explains the ray. Empty where there is no sample.
-///
-/// `meshes`: the rays are at meshes, and have the outcomes of those. `by`: the column whose values rays are grouped by,
-/// in front of the others; empty: none.
+/// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and `fault_columns`; the
+/// last two have the command that explains the ray. A cell without a sample is empty.
+/// `meshes`: the rays are at meshes and have the outcomes of meshes. `by`: the column whose values group the rays,
+/// which stands first; empty: none.
 table::Table<SummaryRow> summary_table(const std::vector<const measure::metric::Metric*>& metrics,
                                        const std::vector<Shape>& shapes, bool meshes = false, std::string by = {});
-/// Of all rays, and then of each of the groups. `row` is the `r`th of the run.
+/// A row for all rays, then one for each group. `row` is row `r` of the run.
 std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
                                      const measure::evaluate::FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
 
-/// An operation that is the culprit of some rays: as columns of a summary, operations would differ from run to run.
+/// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
+/// from run to run.
 struct Culprit {
     measure::evaluate::TestedForm row;
     std::string_view operation;
@@ -45,7 +45,7 @@ struct Culprit {
 };
 table::Table<Culprit> culprit_table();
 
-/// Only where `culprit` is among the metrics.
+/// True if `culprit` is among the metrics.
 [[nodiscard]] bool asks_for_culprits(const std::vector<const measure::metric::Metric*>& metrics);
 
 /// The most frequent first.
@@ -53,11 +53,11 @@ std::vector<Culprit> culprits_of(const std::vector<const measure::metric::Metric
                                  const measure::evaluate::TestedForm& row,
                                  const measure::evaluate::FormSummary& summary);
 
-/// The operations that are the culprit of any ray, by their categories, the most frequent first; of equals the first on
-/// the tape.
+/// Categories of the operations that are the culprit of any ray, the most frequent first; of equally frequent ones the
+/// first on the tape.
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts);
 
-/// A ray of a band, as a row of the run answers it.
+/// A ray of a band, as answered by a row of the run.
 struct BandRay {
     const measure::evaluate::BandResult* result;
     std::size_t i;
@@ -66,11 +66,11 @@ struct BandRay {
     [[nodiscard]] bool hit() const { return result->answers->hit[i] != 0; }
     [[nodiscard]] file::Cell t() const { return result->answers->t[i]; }
 };
-/// outcome.
+/// The column `outcome`.
 table::TableColumn<BandRay> outcome_column();
-/// truth and truth_hex, and a column of each metric.
+/// The columns truth and truth_hex, and one for each metric.
 table::Table<BandRay> found_columns(const std::vector<const measure::metric::Metric*>& metrics);
-/// A row a pixel.
+/// One row per pixel.
 table::Table<BandRay> pixel_table(const std::vector<const measure::metric::Metric*>& metrics);
 
 }  // namespace lostbits::output::map

@@ -43,7 +43,7 @@ std::string short_number(double x) {
 constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
 constexpr const char* not_both_hit = "not both hit: nothing to compare";
-constexpr std::size_t most_culprits = 6;     ///< that a legend names
+constexpr std::size_t most_culprits = 6;     ///< culprits that a legend names
 constexpr std::size_t longest_culprit = 44;  ///< letters
 
 std::string shortened(std::string_view text, std::size_t letters) {
@@ -52,8 +52,8 @@ std::string shortened(std::string_view text, std::size_t letters) {
 
 constexpr std::size_t two_lines = 50;  ///< letters below a cell of a sheet
 
-/// Wrong decisions as shares of all pixels, the most frequent first: by name all that two lines hold, else two of them,
-/// and the rest as one: `1.2% double hit, 1.0% crack, 0.3% other`.
+/// Wrong decisions as shares of all pixels, the most frequent first. All are named if two lines hold them; otherwise
+/// two are named and the others are one share: `1.2% double hit, 1.0% crack, 0.3% other`.
 std::string faults_of(const FormSummary& s) {
     auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
@@ -61,7 +61,7 @@ std::string faults_of(const FormSummary& s) {
         return fmt::format("{} {}", percent(n, s.rays), what);
     };
     std::vector<std::string> faults;
-    std::uint64_t less_frequent = 0;  // than the first two
+    std::uint64_t less_frequent = 0;  // less frequent than the first two
     for (const Outcome o : order) {
         const std::uint64_t n = s.count(o);
         if (n == 0) continue;
@@ -80,7 +80,7 @@ std::string lost_and_kept(double lost, int precision) {
     return fmt::format("{:.1f} of {} lost, {:.{}f} kept", lost, precision, kept, kept < 9.95 ? 1 : 0);
 }
 
-/// The colour of a value that is one of the metric's categories.
+/// Colour of a value that is one of the metric's categories.
 Rgb8 category_colour(const Metric& metric, std::size_t category) {
     if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
     if (metric.over == Over::pairs) return image::against_colours[category];
@@ -105,16 +105,16 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
         const std::string name = outcome == Outcome::agree_hit ? hit_without_value : plain_name(outcome);
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
-    // Of two forms that do not both hit nothing is wrong: it recedes.
+    // Nothing is wrong if two forms do not both hit, so this colour recedes.
     categories.push_back({is_distance() ? not_both_hit : "",
                           pixel::colour_of(metric.over == Over::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
-    // What is no hit comes first in legends.
+    // Correct hits without a value come last of the outcomes in legends.
     std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(values_),
                 categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
-    if (metric_->over == Over::pairs)  // how far apart: of t that mean the same alone
+    if (metric_->over == Over::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
     const bool machine = row.format.engine != Format::Engine::rounded;
@@ -175,7 +175,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
     if (rest > 0)
         entries.push_back(
             {"other operations, each in its own colour", image::style::page, pixel::count_text(rest, blamed)});
-    // The others may have a culprit.
+    // Rays with other outcomes may have a culprit.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
         if (const std::uint64_t n = all[place_of(o)])
             entries.push_back({plain_name(o), pixel::colour_of(o), std::to_string(n)});
@@ -189,25 +189,25 @@ std::string MetricPaint::note(bool several) const {
     if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
     if (ranged_)
-        return fmt::format("colour: {} from {} to {}, as asked for; what is beyond has the colour of the end",
+        return fmt::format("colour: {} from {} to {}, as requested; values beyond have the colour of the end",
                            metric_->ramp == measure::metric::Ramp::magnitude ? "|" + name + "|" : name,
                            short_number(look_.scale->lo()), short_number(look_.scale->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
         return fmt::format("colour: |{}|{}, clamped at both ends of the bar{}", name,
-                           is_distance() ? ", where both forms hit" : "", several ? ", which fit the format" : "");
+                           is_distance() ? ", where both forms hit" : "", several ? ", whose ends fit the format" : "");
     const std::string all = several ? std::string("all bits of each format's significand")
                                     : fmt::format("all {} bits of the format's significand", precision_);
     return fmt::format("colour: {} from 0 to {}{}", name, all,
                        metric_->ramp == measure::metric::Ramp::lost
-                           ? "; the bar is spaced by square roots, so that few bits show"
+                           ? "; the bar is spaced by square roots, so that the first bits show"
                            : "");
 }
 
 std::string MetricPaint::quantile_note() const {
     if (!names_worst()) return "";
-    return fmt::format("p99: 99 of 100 agreed hits {} at most so much", metric_->name == "lost_bits"      ? "lose"
-                                                                        : metric_->name == "correct_bits" ? "keep"
-                                                                                                          : "have");
+    return fmt::format("p99: 99 of 100 agreed hits {} at most this much", metric_->name == "lost_bits"      ? "lose"
+                                                                          : metric_->name == "correct_bits" ? "keep"
+                                                                                                            : "have");
 }
 
 std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
@@ -229,10 +229,10 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     const measure::metric::Distribution& d = s.metrics[m];
     const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
     if (!is_of_hits()) {
-        if (d.count() == 0) return is_distance() ? "no ray that both hit" : "no value";
+        if (d.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
         return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(d.quantile(0.5)), unit,
                            short_number(d.quantile(1)), unit, scene::toml::counted(d.count(), "ray"),
-                           is_distance() ? " that both hit" : "");
+                           is_distance() ? " that both forms hit" : "");
     }
     std::string text = faults_of(s);
     const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };
@@ -254,7 +254,7 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
 std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
     std::string text;
     for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
-    // Below one picture there is room for what a sheet says once.
+    // A single picture has space below it for what a sheet says once.
     constexpr std::string_view short_word = "p99 ";
     const std::size_t at = text.find(short_word);
     const bool is_word = at == 0 || (at != std::string::npos && text[at - 1] == ' ');
@@ -266,7 +266,8 @@ std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
     if (metric_->by_run) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
     if (!is_of_hits())
-        return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both hit", metric_->unit, pixels);
+        return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both forms hit", metric_->unit,
+                           pixels);
     return fmt::format(
         "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
 }

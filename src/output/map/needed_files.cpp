@@ -29,7 +29,7 @@ namespace {
 
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-/// The width that a pixel needs, and what has no place on the scale.
+/// Colours of the width that a pixel needs, and of what is not on the scale.
 pixel::Look needed_look() {
     using measure::evaluate::least_width, measure::evaluate::most_width;
     return {{{""},
@@ -46,7 +46,7 @@ pixel::PixelValue pixel_of(double needed) {
 
 using NeededColumns = pixel::ColumnFiles<NeededBand>;
 
-/// A picture a form.
+/// One picture per form.
 NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<NeededBand>> columns;
@@ -54,11 +54,11 @@ NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions
         columns.push_back(
             {{.file = stem(*form->info) + ".png",
               .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
-                                   request.bits == 1 ? "one" : "ones"),
+                                   request.bits == 1 ? "bit" : "bits"),
               .subtitle = {std::string(form->info->title),
-                           fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} "
-                                       "correct bits, as every wider one up to {} does; "
-                                       "inputs are rounded to the width too",
+                           fmt::format("colour: the smallest width that decides correctly and, on a hit, keeps {} "
+                                       "correct bits, as does every wider one up to {}; "
+                                       "inputs are rounded to this width too",
                                        request.bits, measure::evaluate::most_width)},
               .look = look},
              columns.size(),
@@ -83,7 +83,7 @@ Table<NeededRow> needed_table() {
     using R = NeededRow;
     Table<R> table{
         {"form", "string", "", "form under test", &R::form},
-        {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits", &R::bits},
+        {"bits_asked", "integer", "bits", "B: the answer must be within half an ulp of B significand bits", &R::bits},
         {"pixels", "integer", "", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
     const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
         for (const Statistic& s : statistics)
@@ -101,9 +101,9 @@ Table<NeededRow> needed_table() {
         [](const R& r) -> const auto& { return r.summary->hits; });
     using S = NeededSummary;
     return table.add<S>(
-        {{"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits are enough",
+        {{"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits suffice",
           &S::hits_beyond},
-         {"misses_beyond_53", "integer", "", "rays that truly miss and that are hit even with 53 bits",
+         {"misses_beyond_53", "integer", "", "rays that truly miss but that the form hits even with 53 bits",
           &S::misses_beyond},
          {"unresolved", "integer", "", "rays whose truth was not proved within the stated limit", &S::unresolved}},
         &R::summary);
@@ -117,22 +117,21 @@ struct NeededPixel {
 
 Table<NeededPixel> needed_pixel_table(int bits) {
     using R = NeededPixel;
-    return {
-        {"x", "integer", "pixel", "column, from the left",
-         [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
-        {"y", "integer", "pixel", "row, from the top",
-         [](const R& r) {
-             return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
-         }},
-        {"truth", "string", "", "hit, miss or unresolved",
-         [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
-        {"truth_object", "integer", "", "solid that the ray truly hits first, from 0",
-         [](const R& r) { return when(r.truth.is_hit(), r.truth.object); }},
-        {"needed", "number", "bits",
-         fmt::format(
-             "smallest width that is enough for {} correct bits, as every wider one is; inf where not even 53 bits are",
-             bits),
-         [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
+    return {{"x", "integer", "pixel", "column, from the left",
+             [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
+            {"y", "integer", "pixel", "row, from the top",
+             [](const R& r) {
+                 return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
+             }},
+            {"truth", "string", "", "hit, miss or unresolved",
+             [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
+            {"truth_object", "integer", "", "primitive that the ray truly hits first, from 0",
+             [](const R& r) { return when(r.truth.is_hit(), r.truth.object); }},
+            {"needed", "number", "bits",
+             fmt::format("smallest width that suffices for {} correct bits, as does every wider one; inf if not even "
+                         "53 bits suffice",
+                         bits),
+             [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
 }
 
 using NeededFormFiles = RowFiles<NeededBand, NeededPixel>;
@@ -168,7 +167,7 @@ NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions&
     if (!options.keep)
         parts_->table.emplace(
             options.folder, "needed.csv",
-            fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), needed_table());
+            fmt::format("One row per form: significand bits needed for {} correct bits", request.bits), needed_table());
     for (std::size_t form = 0; form < request.forms.size(); ++form) parts_->add_form(form);
 }
 

@@ -1,4 +1,4 @@
-// The files of `--bits-needed`: a heatmap a form, and needed.csv; parts of the EXR.
+// Files of `--bits-needed`: a heatmap per form, needed.csv, and parts of the EXR.
 #pragma once
 
 #include <filesystem>
@@ -12,20 +12,20 @@
 
 namespace lostbits::output::map {
 
-/// A pixel on which not even 53 bits suffice: dark green, as far from the ramp and from every outcome's colour as those
-/// are from each other (a test holds it).
+/// Colour of a pixel for which not even 53 bits suffice: dark green. It is as far from the ramp and from the colour of
+/// every outcome as those are from each other; a test checks this.
 inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
-    std::filesystem::path folder;  ///< of this scene; made if missing
+    std::filesystem::path folder;  ///< folder of the scene; created if missing
     bool pixels_csv = false;       ///< a row per pixel in `<form>.needed.csv`
-    MapExr* exr = nullptr;         ///< of the same request; null: none is written
-    KeepPiece keep = {};           ///< of a shard
+    MapExr* exr = nullptr;         ///< for the same request; null: no EXR is written
+    KeepPiece keep = {};           ///< receives the pieces of a shard
 };
 
-/// `<form>.needed.png`: the width on viridis from 2 to 53. `needed.csv`: a row per form. With an EXR also the parts
-/// `<form>.needed` of it. Opened, served and finished as MapFiles; finish it before the map of the same folder, which
-/// closes the EXR and whose summary.csv says that all is there.
+/// Writes `<form>.needed.png`: the width on viridis from 2 to 53; `needed.csv`: a row per form; with an EXR also its
+/// parts `<form>.needed`. It is opened, filled and finished like MapFiles. Finish it before the map of the same folder,
+/// which closes the EXR and whose summary.csv marks the folder as complete.
 class NeededFiles {
 public:
     NeededFiles(const measure::evaluate::NeededRequest& request, const NeededFilesOptions& options);
@@ -33,11 +33,11 @@ public:
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
-    /// The next band of a form.
+    /// Takes the next band of a form.
     void band(std::size_t form, const measure::evaluate::NeededBand& result);
-    /// The next piece of a form, as another run kept it.
+    /// Writes the next piece of a form, which another run kept.
     void put(std::size_t form, MapPiece&& piece);
-    /// For the folder's datapackage.json.
+    /// Tables for the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
     void finish(const std::vector<measure::evaluate::NeededSummary>& summaries);
 

@@ -1,4 +1,4 @@
-// The files that take the bands of one row of a map, or of one form of the bits needed.
+// Files that take the bands of one row of a map, or of the bits needed by one form.
 #pragma once
 
 #include <functional>
@@ -16,19 +16,19 @@ namespace lostbits::output::map {
 inline std::size_t pixels_of(const measure::evaluate::BandResult& band) { return band.outcomes.size(); }
 inline std::size_t pixels_of(const measure::evaluate::NeededBand& band) { return band.needed.size(); }
 
-/// What the rows of a scene share.
+/// Files that the rows of a scene share.
 template <class Band>
 struct BandFiles {
     pixel::ColumnFiles<Band>& pictures;
-    MapExr* exr;            ///< null: none is written
-    const KeepPiece& keep;  ///< of a shard
+    MapExr* exr;            ///< null: no EXR is written
+    const KeepPiece& keep;  ///< receives the pieces of a shard
 };
 
-/// `Pixel` is what the table of pixels has a row for.
+/// `Pixel` is the record of a row of the table of pixels.
 template <class Band, class Pixel>
 class RowFiles {
 public:
-    /// How a band is written.
+    /// Functions that turn a band into rows of the EXR, and a pixel into a row of the table.
     struct Writers {
         std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows;
         std::function<Pixel(const Band&, std::size_t i)> pixel;
@@ -55,7 +55,7 @@ public:
         if (table_) table_->add_lines(piece.lines);
     }
 
-    /// Of its pixels, where there is one.
+    /// Table of the pixels; null if there is none.
     [[nodiscard]] std::unique_ptr<table::TableFile<Pixel>>& table() { return table_; }
 
 private:

@@ -18,7 +18,7 @@ using intersect::table::Intersector;
 
 namespace {
 
-/// Words that no label may be called by: those of C++, and what the code calls or takes.
+/// Words that cannot be names: keywords of C++, and the functions and parameters of the code.
 std::set<std::string, std::less<>> words_of_cpp(const ShapeRow& shape) {
     std::istringstream words(R"(
         o d T W ray tmax wide narrow min max abs matrix sqrt fma near far select square named copysign next_up next_down
@@ -68,7 +68,7 @@ private:
         const TapeNode& n = tape_[i];
         return n.op == TapeOp::convert || is_square(n) ? 4 : measure::blame::text_of(n.op).binds.level;
     }
-    // Where sums and products of three stand without brackets, the first two are done first.
+    // In sums and products of three without parentheses, the first two operands are combined first.
     [[nodiscard]] std::string expression(NodeId i) const override {
         const TapeNode& n = tape_[i];
         if (n.op == TapeOp::any) return operand(n.operands[0], 0);
@@ -129,8 +129,8 @@ std::string head_comment(const FormWords& words) {
 
 namespace {
 
-/// Names that a struct cannot have: those of the types that its code uses, and of macros of the C library, of which
-/// many are in capitals alone.
+/// True for names that the struct cannot have: those of the types in its code, and of macros of the C library, many of
+/// which are in capitals.
 bool is_taken(const std::string& type) {
     static const std::set<std::string, std::less<>> used = [] {
         std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Solid",  "Range",
@@ -194,7 +194,7 @@ std::string form_header(const Tape& tape, const Intersector& like, const FormWor
 }
 
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {
-    // common[i][j]: the most lines that before[i..] and after[j..] have in common, in order
+    // common[i][j]: the most lines that before[i..] and after[j..] share, in order
     std::vector<std::vector<std::size_t>> common(before.size() + 1, std::vector<std::size_t>(after.size() + 1));
     for (std::size_t i = before.size(); i-- > 0;)
         for (std::size_t j = after.size(); j-- > 0;)

@@ -24,7 +24,7 @@ using table::when;
 
 namespace {
 
-/// A row in the plane of bits and time, or of bits and wider operations.
+/// Point of a row in the plane of bits and time, or of bits and wider operations.
 ParetoPoint point_of(const FormRow& row) {
     return {row.price ? row.price->packed.median * 1e9 : static_cast<double>(row.wide), row.worth->wrong_fraction(),
             row.worth->kept_bits};
@@ -88,7 +88,7 @@ std::string change_in_words(const MendResult& r, const FormRow& row) {
         row.kind == "wider" ? fmt::format("{} in {}", names_of_set(r), name_of_wider(r.mended.wider)) : row.name,
         bits_of(was, wish), bits_of(now, wish),
         now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
-    if (was.wrong != now.wrong) text += fmt::format(" in place of {}", was.wrong);
+    if (was.wrong != now.wrong) text += fmt::format(" instead of {}", was.wrong);
     if (row.price)
         text += fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - r.prices.front().packed.median) * 1e9);
     return text;
@@ -100,19 +100,18 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("{} against kept bits: {} on {}", timed ? "Time" : "Wider operations",
                              r.request.row.form->info->name, r.request.id());
-    spec.subtitle = {
-        fmt::format("Wished: {}.", choice::in_words(wish)),
-        "Named: the form, what came of it, and the Pareto front, where fewer wrong decisions count before "
-        "more bits." +
-            (timed ? std::string() : " Of the catalogue: forms in " + r.request.row.format.name + " alone.")};
-    if (timed) spec.x = {"time per ray and solid in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
+    spec.subtitle = {fmt::format("Required: {}.", choice::in_words(wish)),
+                     "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before "
+                     "more bits." +
+                         (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
+    if (timed) spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {
         const bool is_own = row.kind != "catalogue";
-        // How many operations a form of the catalogue does wider by itself is not counted.
+        // The wider operations inside a form of the catalogue are not counted.
         const bool has_place =
             timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
         if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;
@@ -129,64 +128,65 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
                  {"operations in " + name_of_wider(r.mended.wider), 1, plot::ink_colour},
                  {"written another way", 2, plot::ink_colour},
                  {"catalogue", 0, plot::ink_colour},
-                 {"decides more rays wrongly than wished", 0, plot::ink_colour, false, true},
+                 {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
     plot::write_scatter_plot(path, spec);
 }
 
 Table<FormRow> form_table() {
     using R = FormRow;
-    Table<R> table{
-        {"kind", "string", "",
-         "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; rewritten: the form "
-         "written another way; catalogue",
-         &R::kind}};
+    Table<R> table{{"kind", "string", "",
+                    "own: the form; wider: with a minimal set of its operations wider; all_wider: with all of them "
+                    "wider; rewritten: the form "
+                    "written another way; catalogue",
+                    &R::kind}};
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
     table.add(
-        {{"wider", "string", "", "what wider operations are done in; missing where none is", &R::wider},
-         {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue",
+        {{"wider", "string", "", "format of the wider operations; missing if there are none", &R::wider},
+         {"wider_operations", "integer", "", "number of its operations that are done wider; missing for the catalogue",
           [](const R& r) { return when(r.operations != 0, r.wide); }},
-         {"operations", "integer", "", "that round; missing for the catalogue",
+         {"operations", "integer", "", "number of its rounding operations; missing for the catalogue",
           [](const R& r) { return when(r.operations != 0, r.operations); }},
-         {"rules", "string", "", "that made it, in order; missing where it was not rewritten", &R::rules}});
+         {"rules", "string", "", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
     table.add(choice::worth_columns(), &R::worth);
-    table.add({"meets", "boolean", "", "whether it meets the wish", &R::meets});
+    table.add({"meets", "boolean", "", "true if it meets the requirement", &R::meets});
     table.add<Worth>({{"apart_rays", "integer", "",
-                       "rays on which nothing was searched; missing where they were not asked", &Worth::rays},
-                      {"apart_wrong", "integer", "", "of these, decided wrongly", &Worth::wrong},
-                      {"apart_kept_bits", "number", "bits", "kept on these",
+                       "rays that the search did not use; missing if they were not measured", &Worth::rays},
+                      {"apart_wrong", "integer", "", "number of these that are decided wrongly", &Worth::wrong},
+                      {"apart_kept_bits", "number", "bits", "bits kept on these",
                        [](const Worth& w) { return number_or_missing(w.kept_bits); }}},
                      &R::apart);
     using P = measure::mend::Price;
     table.add<P>(
-        {{"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled", &P::isa},
-         {"time_ns", "number", "ns", "a ray and solid in packs, median",
+        {{"isa", "string", "", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
+         {"time_ns", "number", "ns", "per ray and primitive in packs, median",
           [](const P& p) { return p.packed.median * 1e9; }},
-         {"single_time_ns", "number", "ns", "a ray and solid, one by one, median",
+         {"single_time_ns", "number", "ns", "per ray and primitive, one ray at a time, median",
           [](const P& p) { return p.single.median * 1e9; }}},
         &R::price);
     return table.add({"front", "boolean", "",
-                      "whether nothing here is at least as accurate and as fast in packs, and better in one",
+                      "true if no other row is at least as accurate and as fast in packs, and better in one",
                       [](const R& r) { return when(r.price != nullptr, r.front); }});
 }
 
 Table<MinimalRow> minimal_table() {
     using R = MinimalRow;
-    return {
-        {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider",
-         &R::operation},
-        {"step", "integer", "",
-         "its place among the form's operations, from 1; those of constants alone are not counted", &R::step},
-        {"rays", "integer", "", "whose truth is known", [](const R& r) { return r.without->rays; }},
-        {"wrong", "integer", "", "decided wrongly without it", [](const R& r) { return r.without->wrong; }},
-        {"kept_bits", "number", "bits", "kept without it",
-         [](const R& r) { return number_or_missing(r.without->kept_bits); }},
-        {"meets", "boolean", "", "whether the wish is met without it: 0, or the set would not be minimal", &R::meets}};
+    return {{"operation", "string", "",
+             "operation of the set with its name in the source; the row is for this one as it was and the others wider",
+             &R::operation},
+            {"step", "integer", "",
+             "its index among the form's operations, from 1; operations on constants alone are not counted", &R::step},
+            {"rays", "integer", "", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
+            {"wrong", "integer", "", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
+            {"kept_bits", "number", "bits", "bits kept without it",
+             [](const R& r) { return number_or_missing(r.without->kept_bits); }},
+            {"meets", "boolean", "",
+             "true if the requirement is met without it: always 0, or the set would not be minimal", &R::meets}};
 }
 
 namespace {
 
-/// Of each node, its place among the operations on what is not constant.
+/// For each node, its index among the operations on values that are not constant.
 std::vector<int> steps_of(const Tape& tape) {
     std::vector<int> steps;
     std::vector<bool> constant;
@@ -219,8 +219,9 @@ std::vector<MinimalRow> minimal_rows(const MendResult& r) {
 
 MendFiles::MendFiles(const std::filesystem::path& folder)
     : folder_(folder),
-      forms_(folder, "mend.csv", "a form, the same with wider operations, or one of the catalogue", form_table()),
-      minimal_(folder, "minimal.csv", "an operation that is done wider", minimal_table()) {}
+      forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
+             form_table()),
+      minimal_(folder, "minimal.csv", "One row per operation that is done wider", minimal_table()) {}
 
 void MendFiles::finish(const MendResult& r) {
     forms_.add_all(rows_of(r));
@@ -239,8 +240,8 @@ FormWords words_of(const MendResult& r, const Proposal& proposal, const std::str
                                               r.request.scene ? "pixel" : "ray kept", r.request.id()),
                                   "Made by " + command};
     if (r.request.row.form->is_placed)
-        head.emplace_back(are_inverses(r.request) ? "The matrix leads from the world to the solid, row by row."
-                                                  : "The matrix leads from the solid to the world, row by row.");
+        head.emplace_back(are_inverses(r.request) ? "The matrix maps from the world to the primitive, row by row."
+                                                  : "The matrix maps from the primitive to the world, row by row.");
     return {.name = name,
             .title = own + ", " + how,
             .source = command,
@@ -263,10 +264,10 @@ std::string emitted(const MendResult& r, const std::filesystem::path& file, cons
     const auto proposals = proposals_of(r);
     const Proposal* const best = best_of(proposals, r.request.wish);
     if (!best)
-        throw InputError(
-            fmt::format("--emit {}: no other form of {} was found that meets the wish, so there is none to write; {}",
-                        file.string(), r.request.row.form->info->name,
-                        r.mended.set ? "it meets the wish as it is" : "with all operations wider it fails it, too"));
+        throw InputError(fmt::format(
+            "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
+            file.string(), r.request.row.form->info->name,
+            r.mended.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
     const bool shader = file.extension() == ".glsl";
     const FormWords words = words_of(r, *best, (shader ? "" : "mended.") + file.stem().string(), command);
     return shader ? shader_code(best->tape, *r.request.row.form, words)

@@ -27,7 +27,7 @@ TapeText text_of(const MendResult& r) {
 
 /// `22.1 bits, no wrong decision`
 std::string in_words(const Worth& worth, const measure::choice::Wish& wish) {
-    const std::string bits = std::isnan(worth.kept_bits) ? "no bits, since no hit is agreed"
+    const std::string bits = std::isnan(worth.kept_bits) ? "no bits, because form and truth agree on no hit"
                                                          : choice::bits_beside(worth.kept_bits, wish) + " bits";
     if (worth.wrong == 0) return bits + ", no wrong decision";
     return fmt::format("{}, {} of {} decided wrongly", bits, worth.wrong, scene::toml::counted(worth.rays, "ray"));
@@ -37,7 +37,7 @@ std::string room_in_words(const Room& room, const MendResult& r) {
     const auto way = measure::choice::growth_names[static_cast<std::size_t>(room.way)];
     const auto& wish = r.request.wish;
     if (room.holds == 0)
-        return fmt::format("{}: not even as it is, on a smaller picture: {}", way, in_words(room.broken, wish));
+        return fmt::format("{}: fails already as it is, on a smaller picture: {}", way, in_words(room.broken, wish));
     return fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, room.holds, room.value) +
            choice::end_in_words(
                room, r.request.rays,
@@ -45,7 +45,7 @@ std::string room_in_words(const Room& room, const MendResult& r) {
 }
 
 std::string own_is_enough(const MendResult& r) {
-    return fmt::format("It meets the wish as it is: nothing has to be wider.\n{}",
+    return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
                        r.mended.own_apart.meets(r.request.wish)
                            ? ""
                            : fmt::format("On {} it does not: {}.\n",
@@ -59,18 +59,17 @@ std::string diff_of(const MendResult& r, const Tape& now) {
     return text;
 }
 
-/// `here`: on the rays that were searched on.
+/// `here`: accuracy on the rays of the search.
 std::string apart_in_words(const MendResult& r, const Worth& here, const Worth& apart) {
     const auto& m = r.mended;
     const std::string where =
-        r.request.scene
-            ? fmt::format("{}x{} other pixels, on which nothing was searched", m.apart.width, m.apart.height)
-            : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
-    std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
+        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.apart.width, m.apart.height)
+                        : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
+    std::string text = fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(apart, r.request.wish),
                                    in_words(m.own_apart, r.request.wish));
     if (here.meets(r.request.wish) && !apart.meets(r.request.wish))
-        text += fmt::format("  There it does not meet the wish: it was found for the {} alone.\n",
-                            r.request.scene ? "pixels of this scene" : "rays that were kept of it");
+        text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
+                            r.request.scene ? "pixels of this scene" : "rays that the search kept");
     return text;
 }
 
@@ -91,14 +90,16 @@ std::string set_in_words(const MendResult& r) {
     text += diff_of(r, with_wider(m, m.set->operations));
     const auto best = std::ranges::min_element(m.set->without, measure::mend::is_more_accurate);
     text += fmt::format(
-        "  Nothing can be taken from it: with any one of the {} as it was the wish fails; the best of these {} has "
+        "  No operation can be spared: with any one of the {} as it was, the requirement fails; the best of these {} "
+        "has "
         "{}.\n",
         n, n, in_words(*best, wish));
     if (m.set->none_of > 0) {
         const std::string sets =
             m.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", m.set->none_of);
-        text += fmt::format("  {} does it, every one was tried{}.\n", sets,
-                            m.set->none_of + 1 == n ? ": it is one of the smallest" : "; between, others may do");
+        text += fmt::format("  {} is enough (all were tried){}.\n", sets,
+                            m.set->none_of + 1 == n ? ", so this set is one of the smallest"
+                                                    : "; sets of sizes between were not all tried");
     }
     return text + apart_in_words(r, m.set->worth, m.apart_worth) + rooms_in_words(r.rooms, r);
 }
@@ -110,7 +111,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
                               name_of_wider(r.mended.wider))
                 : "";
     std::string text =
-        fmt::format("Written another way{} it keeps {}; {} in place of {}.\n", how, in_words(one.worth, r.request.wish),
+        fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", how, in_words(one.worth, r.request.wish),
                     scene::toml::counted(one.operations, "operation"), r.mended.operations);
     std::set<const measure::identity::Rule*> told;
     for (const measure::identity::Rule* rule : one.rules) {
@@ -123,7 +124,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
     return k < r.rewritten_rooms.size() ? text + rooms_in_words(r.rewritten_rooms[k], r) : text;
 }
 
-/// `1.2 ns a ray in packs of 512 bits (0.8-fold), 4.1 ns alone (0.9-fold)`: against the form.
+/// `1.2 ns a ray in packs of 512 bits (0.8-fold), 4.1 ns alone (0.9-fold)`: times, and their ratios to the form's.
 std::string price_in_words(const Price& price, const Price& own) {
     return fmt::format("{:.3g} ns a ray in packs of {} bits ({:.2f}-fold), {:.3g} ns alone ({:.2f}-fold)",
                        price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median,
@@ -135,7 +136,7 @@ std::string prices_in_words(const MendResult& r) {
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
     std::string text =
-        "Compiled, compared with their tapes to the bit on all rays, and timed (*: nothing is as accurate and as "
+        "Compiled, compared with their tapes to the bit on all rays, and timed (*: no other is as accurate and as "
         "fast):\n";
     std::string rest;
     for (const FormRow& row : rows_of(r)) {
@@ -204,19 +205,19 @@ std::string rules_of(const measure::mend::Rewritten& rewritten) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Each operation by the name of the statement that it is part of, in order.
+// Each operation by the name of the statement that it belongs to, in order.
 std::string names_of_set(const MendResult& r) {
     const Tape& tape = r.mended.tape;
     std::vector<std::string> names;
     std::set<std::string> seen;
     for (const NodeId i : r.mended.set->operations) {
         NodeId named = i;
-        // The next operation with a name that is computed from it, as maps of culprits have it.
+        // Finds the next named operation that is computed from it, as maps of culprits do.
         for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
             const auto& operands = tape[k].operands;
             if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
         }
-        const std::string name = std::string(tape[named].label.empty() ? "what follows" : tape[named].label);
+        const std::string name = std::string(tape[named].label.empty() ? "an unnamed operation" : tape[named].label);
         if (seen.insert(name).second) names.push_back(name);
     }
     return fmt::format("{}", fmt::join(names, ", "));
@@ -235,20 +236,22 @@ std::string in_words(const MendResult& r) {
                                    r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, wish));
     if (!m.set)
         text += fmt::format(
-            "Even with all of its {} operations in {} it does not meet the wish: {}. What is lost is not lost by "
-            "rounding alone; `lostbits explain` shows where, and `lostbits choose` which form does better.\n",
+            "Even with all of its {} operations in {} it does not meet the requirement: {}. The loss is not due to "
+            "rounding alone; `lostbits explain` shows where it arises, and `lostbits choose` names forms that do "
+            "better.\n",
             m.operations, name_of_wider(m.wider), in_words(m.all, wish));
     else text += m.set->operations.empty() ? own_is_enough(r) : set_in_words(r);
     for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_in_words(r, k);
     if (!r.catalogue.empty()) {
         const auto meet = std::ranges::count_if(r.catalogue_worth, [&](const Worth& w) { return w.meets(wish); });
-        text += fmt::format("The most accurate of the catalogue in {} is {}: {}. Of its {} forms {} meet the wish.\n",
-                            r.request.row.format.name, r.catalogue.front().form->info->name,
-                            in_words(r.catalogue_worth.front(), wish), r.catalogue.size(), meet);
+        text += fmt::format(
+            "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
+            r.request.row.format.name, r.catalogue.front().form->info->name, in_words(r.catalogue_worth.front(), wish),
+            r.catalogue.size(), meet);
     }
     text += prices_in_words(r);
     return text +
-           fmt::format("Tried: {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
+           fmt::format("Tried {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
                        scene::toml::counted(
                            r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
 }

@@ -19,14 +19,14 @@ using intersect::table::Intersector;
 
 namespace {
 
-/// A function that a text may call, and those that it calls itself stand before it.
+/// A function that the text may call. The functions that it calls itself are defined before it.
 struct Helper {
     std::string_view name, text;
 };
 
 /// `number::wide::TwoWords` of floats, operation by operation; x is the high word. `fused` is Boldo and Melquiond's fma
-/// ("Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd", 2008): right to the last
-/// bit where nothing underflows and no product exceeds 2^115.
+/// ("Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd", 2008), which is correct
+/// to the last bit if nothing underflows and no product exceeds 2^115.
 constexpr std::array helpers{
     Helper{"least", R"(float least(float a, float b) {
     precise float x = a < b ? a : b;
@@ -132,7 +132,7 @@ constexpr std::array helpers{
 )"},
 };
 
-/// Words of GLSL that labels may be, parameters, and what is called.
+/// Words that cannot be names: keywords of GLSL that labels might be, parameters, and called functions.
 std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
     std::set<std::string, std::less<>> taken{
         "o",      "d",      "tmax",    "first",     "abs",      "sqrt",   "and",    "or",     "not",    "half",
@@ -145,8 +145,8 @@ std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
     return taken;
 }
 
-/// The name of a function for that of its file. GLSL keeps its own words and functions, names that begin with gl_, and
-/// two underscores in a row; the program around a shader keeps those with lb_.
+/// Name of the function for the name of its file. Reserved are GLSL's own words and functions, names that begin with
+/// gl_, and names with two adjacent underscores; names with lb_ are reserved for the program around a shader.
 std::string function_name(const std::string& file, const ShapeRow& shape) {
     static const std::set<std::string, std::less<>> own = [] {
         std::istringstream words(R"(
@@ -179,7 +179,7 @@ public:
 private:
     [[nodiscard]] bool is_pair(NodeId i) const { return tape_.format_of(i).precision == 48; }
     [[nodiscard]] bool is_double(NodeId i) const { return tape_.format_of(i) == binary64; }
-    /// The operand that says what an operation is done in.
+    /// The operand whose format is that of the operation.
     [[nodiscard]] NodeId number_of(NodeId i) const { return tape_[i].operands[tape_[i].op == TapeOp::select ? 1 : 0]; }
 
     [[nodiscard]] std::string statement(NodeId i) const override {
@@ -250,8 +250,8 @@ private:
         }
     }
     [[noreturn]] static std::string_view missing(const char* what) {
-        throw InputError(std::string("GLSL has not ") + what +
-                         ", which the mended form asks for; --emit NAME.hpp writes it as C++");
+        throw InputError(std::string("GLSL does not have ") + what +
+                         ", which the repaired form needs; use --emit NAME.hpp to write it as C++");
     }
 };
 
@@ -262,7 +262,7 @@ std::string parameters_of(const ShapeRow& shape) {
     return text + (shape.told_end ? ", float tmax" : "");
 }
 
-/// What the door is told of it.
+/// Properties of the function for the external intersector that reads the shader.
 std::string contract_of(const intersect::Info& like, const FormWords& words) {
     using namespace intersect;
     std::string text = fmt::format(
@@ -279,7 +279,7 @@ std::string contract_of(const intersect::Info& like, const FormWords& words) {
     return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, title);
 }
 
-/// The head, without the mark by which `--shader` takes the rest of a line for properties of the function.
+/// The comment at the top, without the mark after which `--shader` reads properties of the function.
 std::string head_without_mark(const FormWords& words) {
     std::string head = head_comment(words);
     const std::string mark = "lostbits:";
@@ -292,7 +292,7 @@ std::string head_without_mark(const FormWords& words) {
 
 std::string shader_code(const Tape& tape, const Intersector& like, const FormWords& words) {
     if (tape.format_of(tape.outputs.t) != binary32)
-        throw InputError("a shader computes in floats; mend the form in f32, or write it as C++ (--emit NAME.hpp)");
+        throw InputError("a shader computes in floats; repair the form in f32, or write it as C++ (--emit NAME.hpp)");
     const bool tells_t = like.info->roots != intersect::Roots::none;
     const ShaderCode code(tape, like, tells_t);
     std::string body;

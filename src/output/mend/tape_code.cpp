@@ -13,7 +13,7 @@ namespace lostbits::output::mend {
 
 namespace {
 
-/// Letters of an expression that is written out within another, and of one that is alone.
+/// Most letters of an expression that is written inside another one.
 constexpr std::size_t short_enough = 56;
 
 }  // namespace
@@ -58,13 +58,13 @@ std::string TapeCode::identifier(std::string_view label) const {
         if (c == '\'') id += "_prime";
         else if (c == '^') continue;
         else if (std::isalnum(static_cast<unsigned char>(c))) id += c;
-        else if (!id.ends_with('_')) id += '_';  // GLSL keeps names with two for itself
+        else if (!id.ends_with('_')) id += '_';  // GLSL reserves names with two
     }
     if (id.empty() || std::isdigit(static_cast<unsigned char>(id.front()))) id.insert(0, "x");
     return words_.taken.contains(id) ? id + "_" : id;
 }
 
-// Conversions have no names: the others are called alike with and without them.
+// Conversions have no names, so that other operations have the same names with and without them.
 void TapeCode::name_all(const TapeCode* like) {
     const auto first_of_matrix = static_cast<NodeId>(6 + solid_numbers_);
     std::set<std::string> used;
@@ -144,8 +144,8 @@ int TapeCode::uses(NodeId i) const {
     return all;
 }
 
-// What stands within another expression: by lengths without what types and conversions add, and so the same
-// whatever is wider.
+// Chooses the expressions written inside others. Lengths do not count types and conversions, so the choice is the same
+// whichever operations are wider.
 void TapeCode::choose_inlined() {
     std::vector<std::size_t> length;
     for (NodeId i = 0; i < tape_.size(); ++i) {

@@ -1,4 +1,4 @@
-// A tape as statements, whatever the language: which operations have one of their own, and what they are called.
+// A tape as statements of any language: operations with statements of their own, and their names.
 #pragma once
 
 #include <map>
@@ -13,14 +13,13 @@
 
 namespace lostbits::output::mend {
 
-/// What a language calls the numbers of the solid, and words that are no names there.
+/// Names of the numbers of the primitive in a language, and words that cannot be names there.
 struct CodeWords {
-    std::string solid;  ///< in front of `centre.x`
+    std::string solid;  ///< prefix of `centre.x`
     std::set<std::string, std::less<>> taken;
 };
 
-/// What the inputs on the tape of a form are called: those of a ray, of a solid, and of its matrix if it stands under
-/// one.
+/// Names of the inputs on the tape of a form: of a ray, of a primitive, and of its matrix if it has one.
 std::vector<std::string> input_names_of(const intersect::table::Intersector& form);
 
 class TapeCode {
@@ -29,20 +28,21 @@ public:
     TapeCode(const TapeCode&) = delete;
     TapeCode& operator=(const TapeCode&) = delete;
 
-    /// Those of the operations that are not written within another expression, in order.
+    /// Statements of the operations that are not written inside another expression, in order.
     [[nodiscard]] std::vector<std::string> statements() const;
-    /// Node i in brackets where it binds less tightly.
+    /// Node i as an operand, in parentheses if it binds less tightly.
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
 
 protected:
-    /// Of what `wanted` is computed from. `like`: what has no name of its own is called as it is there.
+    /// Code for whatever `wanted` is computed from. `like`: operations without a name of their own have the names that
+    /// they have there.
     TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted, CodeWords words,
              const TapeCode* like = nullptr);
 
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;
     [[nodiscard]] virtual std::string constant(NodeId i) const = 0;
-    /// How tightly its expression binds.
+    /// Precedence of the node's expression.
     [[nodiscard]] virtual int binding(NodeId i) const = 0;
 
     [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != own_; }
@@ -53,12 +53,12 @@ protected:
 private:
     void name_all(const TapeCode* like);
     std::string new_name(const TapeNode& n, const TapeCode* like, std::set<std::string>& used);
-    /// What an operation does to which names.
+    /// The operation and the names of its operands, as a key.
     [[nodiscard]] std::string text_of(const TapeNode& n) const;
-    /// `o.x - centre.x` as `o_minus_centre_x`.
+    /// `o_minus_centre_x` for `o.x - centre.x`.
     [[nodiscard]] std::string of_inputs(const TapeNode& n) const;
     [[nodiscard]] std::string identifier(std::string_view label) const;
-    /// The operations that take a result, conversions counted as what they convert.
+    /// Number of operations that use a result. A conversion counts as the uses of what it converts.
     [[nodiscard]] int uses(NodeId i) const;
     [[nodiscard]] bool is_inlined(NodeId i) const { return inlined_[static_cast<std::size_t>(i)]; }
     void choose_inlined();
@@ -68,8 +68,8 @@ private:
     CodeWords words_;
     FloatFormat own_;
     std::vector<std::string> inputs_, names_;
-    std::size_t solid_numbers_;  ///< inputs behind the ray; the matrix follows
-    /// What the source gives no name: by what it is, and the first that is the same.
+    std::size_t solid_numbers_;  ///< inputs after the ray; the matrix follows
+    /// Names of operations without a label, by their key; the first is that of equal operations.
     std::map<std::string, std::vector<std::string>> known_;
     std::vector<std::string> first_names_;
     int unnamed_ = 0;

@@ -33,7 +33,7 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetRequest&
       request_(request),
       along_(along),
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
-             "One row per place on the axis, strategy, side, kind of point, form and format",
+             "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<PlaceRow>{{std::string(name_of(along)), "number", "",
                                      std::string(measure::offset::meaning_of(along)), &PlaceRow::place}}
                  .add(strategy_table(), &PlaceRow::of)) {}
@@ -64,8 +64,8 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
         spec.series.push_back(std::move(series));
     }
     spec.notes = {
-        "wrong: a self-hit by truth or by the form's arithmetic, or an occluder or the way out lost",
-        "shares are of the points that the form finds: where it misses or names another solid, there is none"};
+        "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
+        "shares are of the points that the form finds; there is none if it misses or names another primitive"};
     plot::write_line_plot(file_of(row, side, "wrong"), spec);
 }
 
@@ -80,14 +80,15 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
         for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
         spec.series.push_back(std::move(series));
     };
-    add("smallest safe, largest", true, [](const SideSummary& s) { return s.safe.quantile(1); });
+    add("smallest safe offset, largest of all points", true, [](const SideSummary& s) { return s.safe.quantile(1); });
     for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
         if (request_.strategies[k]->keeps_point) continue;
         add(short_name(*request_.strategies[k]), false,
             [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); });
     }
-    spec.notes = {"dashed: the largest of the smallest safe offsets of all points; the others: medians over the points",
-                  "where no point needs an offset, or none is enough, the dashed line has no place"};
+    spec.notes = {
+        "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
+        "the dashed line has a gap where no point needs an offset or no offset is safe"};
     plot::write_line_plot(file_of(row, side, "size"), spec);
 }
 

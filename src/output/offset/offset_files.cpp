@@ -30,15 +30,15 @@ namespace {
 
 constexpr const char* safe_unit = "ulps of the largest coordinate";
 
-/// Where the form and the truth do not meet the same solid, or the point is not finite.
+/// Pixels on which form and truth do not meet the same primitive, or the point is not finite.
 const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
 
-/// What became of the rays of a strategy at a point; of several, the first here.
+/// Fate of the rays of a strategy at a point. If there are several, the first in this list.
 enum class Fate : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
 pixel::Look fate_look() {
     return {{no_point,
              {"self-hit by truth", colour_of(Outcome::false_miss)},
-             {"past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
+             {"jumps past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
              {"self-hit or lost by the form's arithmetic alone", colour_of(Outcome::false_hit)},
              {"starts on the wrong side, without harm", colour_of(Outcome::wrong_object)},
              {"every ray is right", colour_of(Outcome::agree_hit)}}};
@@ -54,11 +54,11 @@ Fate fate_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t s
     return at[Fault::wrong_side] > 0 ? Fate::wrong_side : Fate::safe;
 }
 
-/// The smallest safe offset, and what has no place on its scale.
+/// Colours of the smallest safe offset, and of pixels that are not on its scale.
 pixel::Look safe_look() {
     return {{no_point,
              {"needs no offset", colour_of(Outcome::agree_hit)},
-             {"none is safe", colour_of(Outcome::not_a_number)},
+             {"no offset is safe", colour_of(Outcome::not_a_number)},
              {""}},
             pixel::magnitude_scale(0x1p-2, 0x1p14),
             safe_unit};
@@ -99,7 +99,7 @@ std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
                 {{.file = stem + "safe.png",
                   .title = fmt::format("The smallest safe offset {}", in_words(side)),
                   .subtitle = {of_row,
-                               "colour: the smallest offset along the normal from which every ray is right by truth, "
+                               "colour: the smallest offset along the normal for which every ray is right by truth, "
                                "clamped at both ends of the bar"},
                   .look = of_safe,
                   .places = {{0, line_of(r, side)}}},
@@ -111,14 +111,15 @@ std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
     return columns;
 }
 
-/// The smallest safe offset and the strategies across; form, format, points and side down.
+/// Sheet with the smallest safe offset and the strategies across; form, format, points and side down.
 image::SheetSpec sheet_spec(const OffsetRequest& request) {
     image::SheetSpec spec{
         .title = request.scene.title,
-        .subtitle = {fmt::format("{}, {} x {} pixels: what becomes of rays that leave the points that a form finds",
-                                 request.scene.id, request.scene.width, request.scene.height),
-                     "first the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
-                     "share of rays that go wrong"},
+        .subtitle =
+            {fmt::format("{}, {} x {} pixels: the fate of rays that leave the points that a form finds",
+                         request.scene.id, request.scene.width, request.scene.height),
+             "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
+             "share of rays that go wrong"},
         .forms = {"smallest safe"},
         .formats = {},
         .scales = {*safe_look().scale},
@@ -140,24 +141,25 @@ Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
         {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
         {"y", "integer", "", "row of the pixel",
          [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }},
-        {"object", "integer", "", "the solid that is left, from 0", [](const R& r) { return r.band->object[r.i]; }}};
+        {"object", "integer", "", "primitive that the ray leaves, from 0",
+         [](const R& r) { return r.band->object[r.i]; }}};
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
             {{"rays_" + name, "integer", "", "rays " + in_words(side), &P::rays},
-             {"safe_" + name, "number", "world units", "smallest safe offset; inf where none is", &P::safe},
+             {"safe_" + name, "number", "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
              {"quiet_" + name, "number", "world units",
-              "smallest offset that is safe by truth and by the form's arithmetic; inf where none is", &P::quiet}},
+              "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
         for (std::size_t k = 0; k < request.strategies.size(); ++k) {
             const Strategy& s = *request.strategies[k];
             const std::string rays = "rays of " + std::string(s.name);
             table.add(
-                {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that meet by truth what they leave",
+                {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that by truth hit what they leave",
                   [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
                  {short_name(s) + "_bad_" + name, "integer", "",
-                  rays + " with any fault but a start on the wrong side, which alone harms nothing",
+                  rays + " with any fault except a start on the wrong side, which alone does no harm",
                   [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
         }
     }
@@ -172,7 +174,7 @@ std::string short_name(const Strategy& strategy) {
 
 std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
 
-std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
+std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
 void OffsetFiles::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
     if (side.safe.count() > 0)
@@ -190,17 +192,16 @@ void OffsetFiles::add_notes(std::size_t line, const measure::offset::SideSummary
 Table<StrategyRow> strategy_table() {
     using R = StrategyRow;
     Table<R> table{
-        {"strategy", "string", "", "how the new origin is made: a row of the table of strategies",
+        {"strategy", "string", "", "rule for the new origin: a row of the table of strategies",
          [](const R& r) { return r.strategy->name; }},
-        {"side", "string", "", "where the new rays go: outside (light, mirror, hemisphere) or inside (refraction)",
+        {"side", "string", "", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
          [](const R& r) { return name_of(r.side); }},
-        {"point", "string", "", "what is left: the point as computed, or put back onto the surface (projected)",
+        {"point", "string", "", "starting point: as computed, or projected back onto the surface",
          [](const R& r) { return name_of(r.row->point); }}};
     table.add(
-        table::subject_columns("form that finds the points, and that is asked for self-hits",
-                               "format that everything is computed in"),
+        table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
         [](const R& r) -> const auto& { return r.row->row; });
-    table.add({"operations", "integer", "", "operations that one new ray costs, as the strategy is written",
+    table.add({"operations", "integer", "", "operations per new ray, as the strategy is written",
                [](const R& r) { return r.strategy->operations(r.row->row.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
@@ -276,7 +277,7 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
     const auto safe =
         measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
     if (!safe.empty())
-        lines.push_back(fmt::format("{}: the cheapest that is right on both sides: {}, {}", of,
+        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", of,
                                     safe.front().strategy->name,
                                     scene::toml::counted(safe.front().operations, "operation")));
     return lines;

@@ -1,5 +1,5 @@
-// The files of offsets over a scene, pictures, the contact sheet, one row per pixel, summary.csv, and of offsets along
-// an axis: a table, and two plots for each row and side.
+// Files of offsets over a scene: pictures, the contact sheet, one row per pixel, and summary.csv. For offsets along an
+// axis: a table, and two plots for each row and side.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,11 @@
 
 namespace lostbits::output::offset {
 
-/// `integer` of `offset.integer`.
+/// `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const measure::offset::Strategy& strategy);
 /// `sphere.half_b.f32.computed`
 [[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
-/// `away from the solid`, `into the solid`
+/// `away from the primitive`, `into the primitive`
 [[nodiscard]] std::string in_words(measure::offset::Side side);
 
 struct OffsetPixel {
@@ -26,24 +26,23 @@ struct OffsetPixel {
     std::size_t i;
 };
 
-/// A strategy to one side.
+/// A strategy on one side.
 struct StrategyRow {
     const measure::offset::OffsetRow* row;
     const measure::offset::OffsetSummary* summary;
     measure::offset::Side side;
     const measure::offset::Strategy* strategy;
-    std::size_t place;  ///< of the strategy
+    std::size_t place;  ///< index of the strategy
 };
-/// strategy, side, point, form, format, operations and `offset_columns`.
+/// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
 [[nodiscard]] table::Table<StrategyRow> strategy_table();
-/// Every strategy to every side.
+/// Every strategy on every side.
 [[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
                                                      const std::vector<measure::offset::OffsetSummary>& summaries);
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
-///
 /// All offsets are on one page: the smallest safe offset and the strategies across; forms, formats, kinds of points and
-/// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells, and
+/// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells.
 /// `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles {
 public:
@@ -60,26 +59,26 @@ private:
     pixel::SceneFilesOptions options_;
     table::TableFile<StrategyRow> table_;
     pixel::ColumnFiles<measure::offset::OffsetBand> pictures_;
-    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
+    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< one per row, if asked for
 };
 
-/// What is to be said of row `r` of a request, a sentence a line: for each side the largest of the smallest safe
-/// offsets and the strategies that are right for every ray, and the cheapest that is right on both sides (`none` is a
-/// strategy too: the point stays). Nothing where no point counts.
+/// Findings for row `r` of a request, one sentence per line. For each side: the largest of the smallest safe offsets,
+/// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
+/// which leaves the point as it is, is a strategy too). Empty if no point counts.
 [[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetRequest& request, std::size_t r,
                                                     const measure::offset::OffsetSummary& summary);
 
-/// A strategy at a place on the axis.
+/// A strategy at a value on the axis.
 struct PlaceRow {
     double place;
     StrategyRow of;
 };
 
-/// `along.<axis>.csv` is the summary with the place on the axis in front; `along.<axis>.<row>.<side>.wrong.png` the
-/// share of rays that go wrong, and `….size.png` the offsets beside the smallest safe one.
+/// `along.<axis>.csv` is the summary preceded by the value on the axis. `along.<axis>.<row>.<side>.wrong.png` plots the
+/// share of rays that go wrong, and `….size.png` the offsets together with the smallest safe one.
 class AlongFiles {
 public:
-    /// Opens the table. `request`, of the scene as it is, must outlive it.
+    /// Opens the table. `request`, for the unchanged scene, must outlive it.
     AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetRequest& request,
                measure::offset::Along along);
 
@@ -98,7 +97,7 @@ private:
     measure::offset::Along along_;
     table::TableFile<PlaceRow> table_;
     std::vector<double> steps_;
-    std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< step by step
+    std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< one per step
 };
 
 }  // namespace lostbits::output::offset

@@ -31,11 +31,11 @@ bool has_row(const Part& part, const Claim& c) {
     return std::ranges::find(part.rows, fmt::format("{}.{}", c.form, c.format)) != part.rows.end();
 }
 
-/// Where a page shows what a claim was measured on: an element for readers without scripts, and the view for the
-/// others.
+/// Position on the page of what a claim was measured on: the anchor of an element for readers without scripts, and the
+/// view for the others.
 struct Place {
     std::string anchor, view;
-    bool drawn = true;  ///< whether the quantity itself is among what is shown there
+    bool drawn = true;  ///< the view shows the quantity itself
 };
 
 std::optional<Place> place_in(const SceneSubject& on, const Claim& c, const ClaimResult& r, const Report& report) {
@@ -47,14 +47,14 @@ std::optional<Place> place_in(const SceneSubject& on, const Claim& c, const Clai
                                     : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
     if (part->own_size && on.pixel) view += fmt::format("&x={}&y={}", on.pixel->first, on.pixel->second);
-    else if (part->own_size && on.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
+    else if (part->own_size && on.step) view += "&x=0&y=0";  // such a claim follows the march of that pixel
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
     return Place{"scene-" + on.name, view, drawn};
 }
 
 /// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the
-/// cases. Empty where it names none, or a place between two. Steps of a power of two are rounded to 12 bits, claims are
-/// not: |step − at| ≤ 2^-12 |at| is the same place.
+/// cases. Empty if the claim names no cell, or a value between two cells. Steps of a power of two are rounded to 12
+/// bits and claims are not, so |step − at| ≤ 2^-12 |at| counts as the same step.
 std::string cell_of(const Claim& c, const SweepSubject& on, const SweepPart& part) {
     if (const auto* const one = on.part_if<SweepSubject::Case>(); one && part.kind == SweepPart::Kind::cases) {
         const auto named = [one](const std::string& name) { return fnmatch(one->name.c_str(), name.c_str(), 0) == 0; };
@@ -96,7 +96,7 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
     return {};
 }
 
-/// What it was measured on: a link to where the page shows it, or else the command that shows it.
+/// What a claim was measured on: a link to its place on the page, or the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
     const claim::SubjectWords words = claim::words_of(c);
     const std::string text = html(words.where),
@@ -126,13 +126,13 @@ Word word_of(const Claim& c, const ClaimResult& r) {
     return {"skipped", "skipped"};
 }
 
-/// With places to break a long line.
+/// Adds places to break a long line: `<wbr>` after each underscore.
 std::string breakable(std::string text) {
     for (std::size_t at = 0; (at = text.find('_', at)) != std::string::npos; at += 6) text.insert(at + 1, "<wbr>");
     return text;
 }
 
-/// The number, and how it varies from draw to draw.
+/// The measured number, and its range over the draws.
 std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
     if (!r.is_drawn()) return shown(r.measured);
@@ -163,7 +163,7 @@ std::string verdict_tiles(const claim::VerdictCounts& n) {
 
 namespace {
 
-/// What the browser sorts a row by: the gravest verdict first, the number as it was measured, the rest as it is read.
+/// Keys that the browser sorts a row by: the gravest verdict first, then the number as measured.
 std::string sort_keys(const Word& word, const ClaimResult& r) {
     static constexpr std::array<std::string_view, 5> gravest{"differs", "refuted", "qualified", "holds", "skipped"};
     const auto grave = std::ranges::find(gravest, word.style) - gravest.begin();
@@ -171,7 +171,7 @@ std::string sort_keys(const Word& word, const ClaimResult& r) {
     return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", grave, measured ? file::decimal(r.measured) : "");
 }
 
-/// `holds: of what was measured, a sample`; empty where nobody says what the verdict rests on.
+/// `holds: a sample was measured`: the verdict and what it rests on. Empty if nothing says what it rests on.
 std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
     const std::string text = claim::floats_text(r) + (r.state == State::agrees ? claim::evidence_text(c, r) : "");
     return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", word.text, html(text));
@@ -210,7 +210,7 @@ std::string counts_text(std::size_t claims, const claim::VerdictCounts& n) {
     return fmt::format("{}: {}", scene::toml::counted(claims, "claim"), text);
 }
 
-/// The title of what the page shows by this name; empty where it shows nothing by it.
+/// Title under which the page shows a subject; empty if the page does not show it.
 std::string title_of(const std::string& subject, const Report& report) {
     const auto map = std::ranges::find(report.maps, subject, &MapPart::id);
     if (map != report.maps.end()) return map->title;

@@ -25,19 +25,19 @@ using measure::metric::Metric;
 
 namespace {
 
-/// Functions of t and t* alone; src/output/page/script/numbers.js has them again, and the browser test holds every
-/// pixel of a map against its CSV.
+/// Functions of t and t* alone. src/output/page/script/numbers.js computes them too, and the browser test compares
+/// every pixel of a map with its CSV.
 constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
                                                           "absolute_error"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// Stored of every true hit, whatever the form says: neighbours' lie nearly on a line.
+/// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
 bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
 constexpr std::int16_t exact_bound = -32768;
 
-/// The least power of two that the bound does not exceed, as its exponent.
+/// Exponent of the least power of two that is at least the bound.
 std::int16_t bound_exponent(const measure::truth::Certified& x) {
     if (x.bound == 0) return exact_bound;
     int e = 0;
@@ -47,11 +47,11 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 
 }  // namespace
 
-/// What rows with the same truth share. Filled by the first of them alone.
+/// Data that rows with the same truth share. The first of these rows fills it.
 struct MapData::Group {
     Direction direction;
     intersect::Convention convention;
-    const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
+    const scene::camera::Maker* maker;  ///< its ideal rays may have other origins
     Layer hit, object, truth, rest, bound, condition;
 
     Group(const TestedForm& row, std::size_t n)
@@ -125,7 +125,7 @@ public:
         }
     }
 
-    /// `outcome, object, t`, then the stored metrics.
+    /// `outcome`, `object`, `t`, then the stored metrics.
     [[nodiscard]] std::string bytes() const {
         std::string all(outcome_.planes());
         all += object_.planes();
@@ -138,7 +138,7 @@ public:
     [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
 
 private:
-    /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
+    /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
         const double near = result.truth(i).is_hit()
                                 ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
@@ -152,7 +152,7 @@ private:
         return std::bit_cast<std::uint64_t>(t);
     }
 
-    /// Of every true hit.
+    /// Called for every pixel; only true hits have a value.
     void set_inherent(Layer& layer, std::size_t at, std::size_t i, const BandResult& result) {
         if (i % static_cast<std::size_t>(result.width) == 0) inherent_bits_.begin_row();
         const measure::truth::Truth truth = result.truth(i);
@@ -172,9 +172,9 @@ private:
     std::size_t group_;
     Group* filled_;
     bool with_condition_ = false;
-    std::optional<std::size_t> inherent_ = {};  ///< the place of `inherent_bits`
+    std::optional<std::size_t> inherent_ = {};  ///< index of `inherent_bits`
     LineOfHits inherent_bits_ = {};
-    std::optional<std::size_t> ulps_ = {};  ///< and that of `ulp_error`
+    std::optional<std::size_t> ulps_ = {};  ///< index of `ulp_error`
     Layer outcome_, object_, t_;
     std::vector<float> sizes_;
     std::vector<Stored> stored_;
@@ -213,7 +213,7 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
                        : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"
                                          : "stored"}};
-    if (paint.scale()) {  // one a format, as the pictures have it
+    if (paint.scale()) {  // one per format, as in the pictures
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& row : rows)
             scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters));

@@ -1,5 +1,5 @@
-// The pixels of a map as the page holds them, what the CSV says of every ray in a few bytes each; and the rays whose
-// operations it holds, as `lostbits explain` has them.
+// The pixels of a map as the page holds them: the CSV's data of every ray in a few bytes each. Also the rays whose
+// operations the page holds, as `lostbits explain` lists them.
 #pragma once
 
 #include <memory>
@@ -13,40 +13,41 @@
 
 namespace lostbits::output::page {
 
-/// A pixel whose operations are held, and why: words that the page writes as it writes names of outcomes.
+/// A pixel whose operations the page holds. `why` holds the reasons, which the page spells as it spells names of
+/// outcomes.
 struct ChosenRay {
     int x, y;
     std::vector<std::string> why;
 };
 
-/// A picture is cut into so many parts each way, and the worst ray of each part is chosen.
+/// A picture is cut into this many parts in each direction, and the worst ray of each part is chosen.
 inline constexpr std::size_t parts_each_way = 4;
 
-/// The worst ray first, then the first of each kind of wrong decision, the largest and the median error, and the worst
-/// of each part of the picture, each once. `sizes`: a pixel each, |ulp_error| of a correct hit, infinity of a wrong
-/// decision, NaN of what has no error.
+/// Chooses, each once: the worst ray, the first of each kind of wrong decision, the largest and the median error, and
+/// the worst of each part of the picture. `sizes` has one value per pixel: |ulp_error| of a correct hit, infinity for a
+/// wrong decision, NaN without an error.
 [[nodiscard]] std::vector<ChosenRay> choose_rays(const measure::evaluate::FormSummary& summary,
                                                  std::span<const float> sizes, int width);
 
-/// What `explain` says of each ray: its sentences, and its table a row an operation. Of a form that is compiled
-/// elsewhere nothing is known.
+/// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
+/// operations.
 [[nodiscard]] Json rays_json(const measure::evaluate::EvaluationRequest& request,
                              const measure::evaluate::TestedForm& row, const std::vector<ChosenRay>& rays);
 
-/// A packed piece of data and the name that the page finds it by.
+/// A packed piece of data, and the name by which the page finds it.
 struct Blob {
     std::string name, packed;
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-///  - once for all rows that share a truth (by direction and convention): whether the ray truly hits, RN64(t*) (as its
-///  distance from where the two hits to the left point), the rest
-///    t* − RN64(t*) as a float, the bound as a power of two, and κ as a float;
-///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
-///    most answers are a few ulps away, so most of these are small;
+///  - once for all rows that share a truth (by direction and convention): the true decision, RN64(t*) as its difference
+///    from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of
+///    two, and κ as a float;
+///  - for each row: the outcome, the primitive, and the bits of t less those of the truth, both in the row's format.
+///    Most answers are a few ulps away, so most differences are small;
 ///  - every other metric as a float;
-///  - of `choose_rays` what `lostbits explain` says, operation by operation.
-/// What follows from t and t* alone (`derived_metrics`) the page works out itself.
+///  - the output of `lostbits explain` for the rays of `choose_rays`.
+/// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
 class MapData {
 public:
     explicit MapData(const measure::evaluate::EvaluationRequest& request);
@@ -57,11 +58,11 @@ public:
     /// One per row of the request, in its order.
     [[nodiscard]] std::vector<measure::evaluate::Show> shows();
 
-    /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
-    /// claims have the same rays. `named`: the scene in its size, as words of a command.
+    /// Everything but the pixels; call it after the map. `own_size`: the map has the scene's own size, so that claims
+    /// are about the same rays. `named`: the scene with its size, as a command names it.
     [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
                              const std::string& named) const;
-    /// After the map: the pixels, and the operations of the chosen rays.
+    /// The pixels and the operations of the chosen rays; call it after the map.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const;
 
 private:

@@ -1,4 +1,4 @@
-// Bytes for a page that must open from a file: shuffled into planes, deflated, in base64.
+// Packs bytes for a page that must open from a file: shuffled into planes, deflated, in base64.
 #pragma once
 
 #include <bit>
@@ -9,14 +9,14 @@
 
 namespace lostbits::output::page {
 
-/// Numbers of one width, a pixel each, gathered before they are packed.
+/// Numbers of one width, one per pixel, gathered before they are packed.
 class Layer {
 public:
-    /// `width` bytes a number: 1, 2, 4 or 8.
+    /// `width` is the number of bytes per number: 1, 2, 4 or 8.
     Layer(std::size_t width, std::size_t count) : width_(width), count_(count), planes_(width * count) {}
 
-    /// Byte k of every number lies in plane k, lowest first: neighbours' high bytes are alike, and deflate sees them
-    /// side by side.
+    /// Plane k holds byte k of every number, the lowest byte first. High bytes of neighbours are alike, and deflate
+    /// then sees them side by side.
     void set(std::size_t i, std::uint64_t bits) {
         for (std::size_t k = 0; k < width_; ++k) planes_[k * count_ + i] = static_cast<char>(bits >> (8 * k));
     }
@@ -31,14 +31,15 @@ private:
     std::vector<char> planes_;
 };
 
-/// `bytes` deflated (zlib's framing, which DecompressionStream("deflate") reads), in base64 without line breaks.
+/// Deflates `bytes` (zlib's framing, which DecompressionStream("deflate") reads) and encodes them in base64 without
+/// line breaks.
 [[nodiscard]] std::string pack(std::string_view bytes);
 
 /// RFC 4648, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
-/// `a` − `b` of two bit patterns of `width` bytes, folded so that small differences of either sign are small numbers:
-/// 0, −1, 1, −2, … become 0, 1, 2, 3, ….
+/// `a` − `b` of two bit patterns of `width` bytes, folded so that small differences of either sign become small
+/// numbers: 0, −1, 1, −2, … become 0, 1, 2, 3, ….
 [[nodiscard]] constexpr std::uint64_t folded_difference(std::uint64_t a, std::uint64_t b, int width) {
     const std::uint64_t all = width == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << (8 * width)) - 1;
     const std::uint64_t d = (a - b) & all;
@@ -46,8 +47,9 @@ private:
     return ((d << 1) & all) ^ (negative ? all : 0);
 }
 
-/// Numbers of neighbouring true hits lie nearly on a line: of each is kept how far its bits are from where the two
-/// before it point to, in its row of the picture. A band holds whole rows, so within one no neighbour is missing.
+/// Codes true hits by their neighbours, which lie nearly on a line: keeps the difference of each number's bits from the
+/// line through the two before it in its row of the picture. A band holds whole rows, so no neighbour is missing within
+/// a band.
 class LineOfHits {
 public:
     void begin_row() { last_ = before_ = 0; }
@@ -59,7 +61,7 @@ public:
     }
 
 private:
-    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two before; 0: none
+    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the last two numbers; 0: none
 };
 
 }  // namespace lostbits::output::page

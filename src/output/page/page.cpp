@@ -22,7 +22,7 @@ using scene::toml::counted;
 
 namespace {
 
-/// `'sha256-…'` of a content security policy.
+/// Source expression of a content security policy: `'sha256-…'`.
 std::string hash_source(const Asset& asset) {
     std::string bytes;
     for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
@@ -30,7 +30,7 @@ std::string hash_source(const Asset& asset) {
     return fmt::format("'sha256-{}'", base64(bytes));
 }
 
-/// Nothing may be fetched, and of scripts and styles only those run that the program was built with.
+/// Nothing may be fetched, and only the scripts and styles built into the program may run.
 std::string policy() {
     std::string scripts = hash_source(page_script), styles = hash_source(page_style);
     if (!plot_script.text.empty()) {
@@ -58,20 +58,20 @@ std::string without_scripts(const std::vector<Picture>& pictures) {
     return fmt::format("<noscript>{}</noscript>\n", images(pictures));
 }
 
-/// Pictures for a page without scripts; where uPlot is missing, for every page.
+/// Pictures for readers without scripts, or for every reader if uPlot is missing.
 std::string instead_of_plots(const std::vector<Picture>& pictures) {
     return plot_script.text.empty() ? images(pictures) : without_scripts(pictures);
 }
 
-/// Where they are pictures for every reader: why, and what to do about it.
+/// Tells every reader why the plots are pictures, and how to change that.
 std::string why_no_plots() {
     if (!plot_script.text.empty()) return "";
-    return "<p class=\"no-plots\">The plots are pictures, since uPlot was not there when lostbits was built. To draw "
-           "them here, with the numbers of each point: install npm, and type <code>./run</code> (or <code>npm ci "
-           "--omit=dev</code>, and build again) in the folder of lostbits.</p>\n";
+    return "<p class=\"no-plots\">The plots are pictures because uPlot was missing when lostbits was built. To draw "
+           "interactive plots with the numbers of each point, install npm, and run <code>./run</code> (or <code>npm ci "
+           "--omit=dev</code>, and build again) in the lostbits folder.</p>\n";
 }
 
-/// The colours of the PNGs: the ramp, the outcomes and the hit without a value.
+/// Colours of the PNGs: the ramp, the outcomes, and a hit without a value.
 Json colours_json() {
     std::string ramp;
     for (const image::Rgb8& c : image::image_backend().ramp("viridis", 256))
@@ -116,7 +116,7 @@ std::string about(const std::string& note, const std::string& source) {
     return text;
 }
 
-/// What can be opened and closed: a summary, and what is below it. `id`, if it has one, is what links lead to.
+/// An element that the reader can open and close: a summary, and a body below it. Links lead to `id`, if it has one.
 std::string part(const std::string& id, const std::string& summary, const std::string& body) {
     return fmt::format("<details open class=\"part\"{}><summary>{}</summary>\n{}</details>\n",
                        id.empty() ? "" : fmt::format(" id=\"{}\"", html(id)), summary, body);
@@ -167,13 +167,14 @@ std::string trades_body(const Report& report) {
 
 std::string choices_body(const Report& report) {
     if (report.choices.empty()) return "";
-    std::string text = fmt::format("<p>Every form and format on a scene's own rays. {}</p>\n", machine_of(report));
+    std::string text =
+        fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", machine_of(report));
     for (const ChoicePart& c : report.choices)
         text += part("", named(c.wish, c.scene), preformatted(html(c.words)) + image(c.front) + c.table);
     return text;
 }
 
-/// Words with the lines of a diff marked.
+/// Text in which the lines of a diff are marked.
 std::string with_diffs(const std::string& words) {
     std::string text;
     std::istringstream lines(words);
@@ -187,8 +188,9 @@ std::string with_diffs(const std::string& words) {
 std::string mends_body(const Report& report) {
     if (report.mends.empty()) return "";
     std::string text =
-        "<p>The fewest operations that must be done in wider arithmetic so that a form meets a wish on every ray, and "
-        "other ways of writing it that are the same without rounding.";
+        "<p>The fewest operations that must be done in wider arithmetic so that a form meets a requirement on every "
+        "ray, and "
+        "other ways to write it that give the same result without rounding.";
     if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + machine_of(report);
     text += "</p>\n";
     for (const MendPart& m : report.mends) {
@@ -204,11 +206,13 @@ std::string mends_body(const Report& report) {
 std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     if (offsets.empty()) return "";
     std::string text = fmt::format(
-        "<p>A ray that leaves a computed point may meet the solid that it leaves once more, so renderers move its "
-        "origin. Too short a move leaves such self-hits, too long a one jumps past a neighbour or through a thin "
-        "solid. "
-        "Here the points are those that {} computes in {}, of boxes {}. Of every strategy, the share of rays that go "
-        "wrong (a start on the wrong side alone does no harm, and does not count):</p>\n<div class=\"wide\">{}</div>\n",
+        "<p>A ray that leaves a computed point may hit the primitive that it leaves again, so renderers move its "
+        "origin. A move that is too short leaves such self-hits. One that is too long jumps past a neighbour or "
+        "through a thin "
+        "primitive. "
+        "Here the points are computed by {} in {}, and on boxes by {}. The tables give, for each strategy, the share "
+        "of rays that go "
+        "wrong (a start on the wrong side alone does no harm and does not count):</p>\n<div class=\"wide\">{}</div>\n",
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
     for (const OffsetPart& o : offsets) {
@@ -219,45 +223,47 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     return text;
 }
 
-/// What the page is.
+/// Says what the page is.
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
-    "answered the same rays in each format, and each answer is compared with the true one, which is proved.";
+    "answered the same rays in each format, and each answer is compared with the proved true answer.";
 
-/// What to do with it first.
+/// Says what to do with it first.
 std::string what_to_do(const Report& report) {
     if (!report.maps.empty())
-        return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture: the "
-               "numbers of that ray stand beside it. A click keeps them. The buttons below the picture lead to rays "
+        return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture. The "
+               "numbers of that ray appear beside it. A click keeps them. The buttons below the picture lead to rays "
                "whose operations are listed.";
     if (!report.sweeps.empty())
-        return "<b>First</b>, choose a statistic under <a href=\"#sweeps\">Sweeps</a> and point at a line or a cell: "
-               "its numbers stand beside it.";
+        return "<b>First</b>, choose a statistic under <a href=\"#sweeps\">Sweeps</a> and point at a line or a cell. "
+               "Its numbers appear beside it.";
     if (!report.claims.empty())
-        return "<b>First</b>, open a subject under <a href=\"#claims\">Claims</a>: each sentence stands beside the "
+        return "<b>First</b>, open a subject under <a href=\"#claims\">Claims</a>: each statement stands beside the "
                "number that was measured for it.";
     if (!report.mends.empty())
-        return "<b>First</b>, read under <a href=\"#mend\">Changes</a> what each of them keeps, and the lines to "
+        return "<b>First</b>, read under <a href=\"#mend\">Changes</a> what each change keeps, and which lines to "
                "write.";
     return "";
 }
 
-/// How the claims came out, what the words mean, and the claims.
+/// Results of the claims, the meaning of the words, and the claims.
 std::string claims_body(const Report& report) {
     if (report.claims.empty()) return "";
     const claim::CountsBySource by_source = claim::count_verdicts(report.claims, report.results);
     const claim::VerdictCounts& n = by_source.all;
     std::string meaning = by_source.text() + ". ";
     meaning.front() = static_cast<char>(std::toupper(meaning.front()));
-    if (n.qualified > 0) meaning += "Qualified: the sentence is true with a condition that its source does not state. ";
-    if (n.refuted > 0) meaning += "Refuted: the measurement contradicts the sentence, as was found before.";
-    if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
+    if (n.qualified > 0)
+        meaning += "Qualified: the statement is true under a condition that its source does not state. ";
+    if (n.refuted > 0)
+        meaning += "Refuted: the measurement contradicts the statement, as it did when the verdict was written.";
+    if (n.differing + n.broken > 0) meaning += " Failed: the measurement differs from the recorded one.";
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
         counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
-/// What was typed.
+/// The command that was typed.
 std::string made_body(const Report& report) {
     std::vector<std::string> parts;
     if (!report.maps.empty()) parts.push_back(counted(report.maps.size(), "map"));
@@ -271,13 +277,13 @@ struct Section {
     std::string body;
 };
 
-/// Those that have something to show. The result stands first, since it is what is looked for first.
+/// Sections that have something to show. The result comes first, because readers look for it first.
 std::vector<Section> sections_of(const Report& report) {
     std::vector<Section> all{
         {"maps", "Maps", "Maps", maps_body(report.maps)},
         {"sweeps", "Sweeps", "Sweeps", sweeps_body(report.sweeps)},
         {"trade", "Speed", "Speed against accuracy", trades_body(report)},
-        {"choose", "Choice", "The cheapest form that meets a wish", choices_body(report)},
+        {"choose", "Choice", "The cheapest form that meets a requirement", choices_body(report)},
         {"mend", "Changes", "What to change in a form", mends_body(report)},
         {"offsets", "Offsets", "Origins of the next ray", offsets_body(report.offsets)},
         {"claims", "Claims", "Claims", claims_body(report)},
@@ -287,7 +293,7 @@ std::vector<Section> sections_of(const Report& report) {
     return all;
 }
 
-/// Its elements of a page's body.
+/// The elements of the page's body.
 std::string body_of(const Report& report) {
     std::string links, text;
     for (const Section& s : sections_of(report)) {

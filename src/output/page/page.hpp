@@ -1,4 +1,5 @@
-// One self-contained HTML file: no request beyond it, a strict policy, readable without scripts.
+// One self-contained HTML file: it loads nothing else, has a strict content security policy, and is readable without
+// scripts.
 #pragma once
 
 #include <array>
@@ -16,26 +17,26 @@
 
 namespace lostbits::output::page {
 
-/// A PNG and what it shows.
+/// A PNG and a text that describes it.
 struct Picture {
     std::string alt;
     std::string png;       ///< its bytes
-    bool is_plot = false;  ///< lines or points on paper, whose colours mean nothing but which is which
+    bool is_plot = false;  ///< lines or points on paper; colours only tell them apart
 };
 
-/// What `draw` writes into the file that it is given. EnvironmentError when it cannot be read back.
+/// Lets `draw` write a file and reads it back. EnvironmentError if it cannot be read back.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw,
                               bool is_plot = false);
 
 struct MapPart {
     std::string id, title, note, source;
     std::vector<std::string> rows;  ///< `map::row_name` of each
-    Json index;                     ///< of `MapData::index`
+    Json index;                     ///< from `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
-    bool own_size = true;                   ///< the scene's: claims are measured on the same rays
-    std::vector<std::string> metrics = {};  ///< their names
+    bool own_size = true;                   ///< the scene's own size, so claims are measured on the same rays
+    std::vector<std::string> metrics = {};  ///< names of the metrics
 };
 
 /// A sweep along one axis or over a plane, or a file of cases.
@@ -44,50 +45,50 @@ struct SweepPart {
     Kind kind = Kind::line;
     std::string id, title, note, source;
     std::vector<std::string> rows;               ///< `map::row_name` of each
-    std::vector<std::vector<double>> axes = {};  ///< the values of each as the page numbers them; of cases none
+    std::vector<std::vector<double>> axes = {};  ///< values of each axis in the order of the page; empty for cases
     std::vector<std::string> cases = {};
-    Json json = {};  ///< of `sweep_json`, `plane_json` or `case_json`
+    Json json = {};  ///< from `sweep_json`, `plane_json` or `case_json`
     std::string table = {};
-    std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line for all where uPlot is missing
+    std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line also for readers without uPlot
 };
 
 struct TradePart {
     std::string shape;
-    Json json;  ///< of `trade_json`
+    Json json;  ///< from `trade_json`
     std::string words;
     std::vector<Picture> pictures;
 };
 
-/// What is chosen for a scene by a wish. Its times differ from run to run.
+/// The form chosen for a scene by a requirement. Its times differ from run to run.
 struct ChoicePart {
-    std::string scene, wish;  ///< its id; `18 correct bits of every hit, no wrong decision`
+    std::string scene, wish;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
     std::string words;
     std::string table;  ///< HTML, see `choice_table`
     Picture front;
 };
 
-/// What a form is mended to for a scene and a wish.
+/// The repair of a form for a scene and a requirement.
 struct MendPart {
-    std::string form, scene, wish;     ///< `sphere.half_b in f32`; the scene's id
-    std::vector<std::string> changes;  ///< a sentence for each form that came out
-    std::string words;                 ///< of `mend::in_words`
+    std::string form, scene, wish;     ///< `sphere.half_b in f32`, the scene's id, the requirement
+    std::vector<std::string> changes;  ///< one sentence for each form that the repair produced
+    std::string words;                 ///< from `mend::in_words`
     std::string table;                 ///< HTML, see `mend_table`
     Picture front;
     bool timed = false;  ///< its times differ from run to run
 };
 
-/// What becomes of rays that leave the points of a scene, by every strategy.
+/// Fate of rays that leave the points of a scene, for every strategy.
 struct OffsetPart {
     std::string id, title, note, source;
     std::vector<std::string> words = {};
     std::vector<std::string> strategies = {};
-    std::array<std::vector<double>, 2> bad = {};  ///< of a side: the share of rays that go wrong, a strategy each
+    std::array<std::vector<double>, 2> bad = {};  ///< for each side and strategy: the share of rays that go wrong
     std::string table = {};                       ///< HTML, see `offset_table`
     Picture sheet = {};
 };
 
 struct Report {
-    std::string command;  ///< what to type to make the page again
+    std::string command;  ///< the command that makes the page again
     std::vector<MapPart> maps;
     std::vector<SweepPart> sweeps;
     std::vector<TradePart> trades;
@@ -96,35 +97,38 @@ struct Report {
     std::vector<OffsetPart> offsets = {};
     std::vector<scene::claim::Claim> claims;
     std::vector<measure::claim::ClaimResult> results;
-    std::string processor = {};  ///< that the times are of; empty where nothing tells
-    std::string program = {};    ///< that made it: `lostbits 0.1.0`
+    std::string processor = {};  ///< processor on which the times were measured; empty if unknown
+    std::string program = {};    ///< program that made the page: `lostbits 0.1.0`
 };
 
-/// Forms and formats of a map: decisions, and p50, p99 and max of lost bits, withheld where too few hits agree; each
-/// number carries the CSV's own decimal.
+/// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits, which are withheld if too few
+/// hits agree. Each number carries the CSV's own decimal.
 [[nodiscard]] std::string summary_table(const measure::evaluate::EvaluationRequest& request,
                                         const std::vector<measure::evaluate::FormSummary>& summaries);
 
-/// Every form and format, cheapest first: time, bits kept, wrong decisions, whether it meets the wish.
+/// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
+/// requirement.
 [[nodiscard]] std::string choice_table(const choice::Chosen& chosen);
 
-/// The form, what came of it and the best of the catalogue: wider operations, bits kept and wrong decisions here and on
-/// rays on which nothing was searched, times if there are any; each number carries the CSV's own decimal.
+/// Table of the form, its repairs and the best form of the catalogue: wider operations, bits kept and wrong decisions
+/// on the scene and on rays that the search did not use, and times if they were measured. Each number carries the CSV's
+/// own decimal.
 [[nodiscard]] std::string mend_table(const mend::MendResult& result);
 
-/// A table a side: what share of the rays each strategy gets wrong and how, and how much too large it is.
+/// One table per side: the share of rays that each strategy gets wrong, in which way, and by how much the offset is too
+/// large.
 [[nodiscard]] std::string offset_table(const measure::offset::OffsetRequest& request,
                                        const measure::offset::OffsetSummary& summary);
 
-/// A table a side: strategies down, scenes across, the share of rays that go wrong.
+/// One table per side: strategies down, scenes across, and the share of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
 
-/// The counts as tiles, the gravest first to be seen.
+/// The counts as tiles, the gravest first.
 [[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);
-/// A table per subject, with a row per claim; where the page shows what it was measured on, its place is a link to it.
+/// One table per subject, with a row per claim. If the page shows what the claim was measured on, the row links to it.
 [[nodiscard]] std::string claims_table(const Report& report);
 
-/// The page, the same bytes for the same report.
+/// Makes the page; the same report gives the same bytes.
 [[nodiscard]] std::string page(const Report& report);
 
 }  // namespace lostbits::output::page

@@ -14,7 +14,9 @@ Picture picture(std::string alt, const std::function<void(const std::filesystem:
     std::ifstream in(file, std::ios::binary);
     std::ostringstream bytes;
     bytes << in.rdbuf();
-    if (!in) throw EnvironmentError(file.string() + ": could not be read back");
+    if (!in)
+        throw EnvironmentError(
+            file.string() + ": the picture could not be read back; check that the disk for temporary files has space");
     return {std::move(alt), bytes.str(), is_plot};
 }
 

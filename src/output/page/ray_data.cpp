@@ -21,7 +21,7 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-/// The pixel of the median error of the finite ones, the first of equal ones; none where there are none.
+/// Pixel of the median of the finite errors; ties go to the first pixel. None if no error is finite.
 std::optional<std::size_t> median_of(std::span<const float> sizes) {
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -33,7 +33,7 @@ std::optional<std::size_t> median_of(std::span<const float> sizes) {
     return *middle;
 }
 
-/// Places from `first` to before `last`, and half the way between them.
+/// A range of indices from `first` to before `last`.
 struct Stretch {
     std::size_t first, last;
     [[nodiscard]] double from_middle(std::size_t i) const {
@@ -41,14 +41,14 @@ struct Stretch {
     }
 };
 
-/// Of `n` pixels side by side those of part k.
+/// Part k of `n` pixels side by side.
 Stretch part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
 
-/// The worst pixel of a part of a picture, of equally bad ones the nearest to its middle; nothing where there is no
-/// error.
+/// The worst pixel of a part of a picture, or nothing if none has an error. Among equally bad pixels, the nearest to
+/// the middle of the part.
 std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, Stretch across, Stretch down) {
     std::optional<std::size_t> found;
-    std::pair<float, double> worst{-1, 0};  // the error, and how far from the middle, below 0
+    std::pair<float, double> worst{-1, 0};  // the error, and minus the distance from the middle
     for (std::size_t y = down.first; y < down.last; ++y) {
         for (std::size_t x = across.first; x < across.last; ++x) {
             const std::size_t i = y * width + x;
@@ -74,7 +74,7 @@ Json lines_json(const std::string& text) {
     return lines;
 }
 
-/// The sentences that stand above the table of `explain` and below it, and the table.
+/// Sentences above and below the table of `explain`, and the table.
 Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<blame::MarchEnd>& march) {
     const blame::OperationWords words(x);
     const blame::OperationTable table = blame::operation_table(x, words, false);
@@ -114,7 +114,7 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
         const Stretch across = part_of(w, part % parts_each_way),
                       down = part_of(sizes.size() / w, part / parts_each_way);
-        if (const auto i = worst_of(sizes, w, across, down)) add_pixel(*i, "worst of its part");
+        if (const auto i = worst_of(sizes, w, across, down)) add_pixel(*i, "worst in its part of the picture");
     }
     return all;
 }

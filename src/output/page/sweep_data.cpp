@@ -95,8 +95,8 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
 
 namespace {
 
-/// What all grids need to be painted as the PNGs are: the scale of lost bits in each format, and the paper that paler
-/// colours are mixed with.
+/// Colours of all grids, as in the PNGs: the scale of lost bits in each format, and the paper that paler colours are
+/// mixed with.
 void add_paint(Json& json, const std::vector<measure::evaluate::TestedForm>& rows) {
     for (const measure::evaluate::TestedForm& row : rows)
         json["scales"][row.format.name] =
@@ -169,19 +169,19 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
 
 namespace {
 
-/// `427 (400 to 510)`: of the file's own draw, and over all.
+/// `427 (400 to 510)`: the onset in the file's own draw, and its range over all draws.
 std::string onset_text(const Onset& o) {
     const auto s = o.spread();
     return s.low == s.high ? shown(o.first_bad)
                            : fmt::format("{} ({} to {})", shown(o.first_bad), shown(s.low), shown(s.high));
 }
 
-/// How many rays a first failure is the first of, and how often they were drawn.
+/// Number of rays among which a first failure was found, and number of draws.
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& any = onsets.front();
     return fmt::format(", among {}{}", scene::toml::counted(any.rays, "ray"),
-                       any.further.empty() ? "" : fmt::format(" (and over {} draws of them)", 1 + any.further.size()));
+                       any.further.empty() ? "" : fmt::format(" ({} draws)", 1 + any.further.size()));
 }
 
 }  // namespace
@@ -189,21 +189,21 @@ std::string draws_text(const std::vector<Onset>& onsets) {
 std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
     struct Wanted {
         const char *title, *event, *statistic;
-        double share;  ///< of the significand; 0: the threshold is one
+        double share;  ///< of the significand; 0: the threshold is 1
     };
     std::vector<Wanted> wanted{
         {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
         {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
-        {"first false miss", "false_miss", "count", 0}, {"first wrong solid", "wrong_object", "count", 0},
+        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_object", "count", 0},
         {"first NaN", "not_a_number", "count", 0}};
-    // Most sweeps have one solid, and most forms no NaN: no column of dashes.
+    // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
     std::erase_if(wanted, [&onsets](const Wanted& w) {
         return (std::string_view(w.event) == "wrong_object" || std::string_view(w.event) == "not_a_number") &&
                std::ranges::none_of(onsets, [&w](const Onset& o) { return o.found && o.event == w.event; });
     });
     std::vector<std::string> names{"form", "format"};
     for (const Wanted& w : wanted) names.emplace_back(w.title);
-    std::string text = fmt::format("<table><caption>First value of {} at which it happens{}</caption>{}",
+    std::string text = fmt::format("<table><caption>First value of {} at which each event happens{}</caption>{}",
                                    html(request.sweep.axes.front().name), draws_text(onsets), header_row(names));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& row = request.rows[r];

@@ -1,4 +1,4 @@
-// Sweeps, planes of two axes, named cases and trades as the page holds them.
+// Sweeps, planes of two axes, named cases and trades, as JSON for the page.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace lostbits::output::page {
 
-/// The columns of a sweep's samples.csv that the page plots.
+/// Columns of a sweep's samples.csv that the page plots.
 inline constexpr std::array<std::string_view, 7> sweep_statistics{
     "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
     "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
@@ -24,26 +24,26 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
                             const std::vector<const measure::metric::Metric*>& metrics, std::size_t cells,
                             const std::function<const measure::evaluate::FormSummary&(std::size_t)>& at);
 
-/// A sweep along one axis: the axis with its values, and of every row outcomes and each statistic at every step.
+/// A sweep along one axis: the axis with its values, and for every row the outcomes and each statistic at every step.
 [[nodiscard]] Json sweep_json(const measure::sweep::SweepRequest& request,
                               const std::vector<measure::sweep::SweepStep>& steps,
                               const std::vector<measure::sweep::Onset>& onsets);
 
-/// A sweep over two axes: the axes with their values, rising; and of every row the outcomes and
-/// `sweep_statistics` of each cell, lines of the lowest second value first.
+/// A sweep over two axes: the axes with their values in rising order, and for every row the outcomes and
+/// `sweep_statistics` of each cell. The line of the lowest second value comes first.
 [[nodiscard]] Json plane_json(const measure::sweep::SweepRequest& request,
                               const std::vector<measure::sweep::SweepStep>& steps);
 
-/// Named cases: their names, and of every row (by each convention) verdict, outcomes and `sweep_statistics` of
+/// Named cases: their names, and for every row (under each convention) verdict, outcomes and `sweep_statistics` of
 /// each.
 [[nodiscard]] Json case_json(const measure::sweep::CaseRequest& request,
                              const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
 
-/// A table of a row each, with the places where things first go wrong, as HTML.
+/// HTML table with a line per row of the sweep: the values at which errors first occur.
 [[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,
                                       const std::vector<measure::sweep::Onset>& onsets);
 
-/// What is plotted of a trade, for each set of rays: time, kept bits, wrong decisions and the Pareto front.
+/// Points of a trade for each set of rays: time, kept bits, wrong decisions and the Pareto front.
 [[nodiscard]] Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
 }  // namespace lostbits::output::page

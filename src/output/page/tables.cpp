@@ -1,4 +1,4 @@
-// Tables of what maps, a choice, a mended form and offsets measured.
+// Tables of maps, a choice, a repaired form and offsets.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,14 +20,14 @@ using measure::offset::Side;
 
 namespace {
 
-/// `30.3 %`; a share of nothing is a dash, and 0 stands out as such.
+/// `30.3 %`. A share of nothing is a dash, and an exact 0 is written as `0`.
 std::string share_cell(double share) {
     if (std::isnan(share)) return "<td class=\"n\">&ndash;</td>";
     const std::string text = share == 0 ? "0" : share < 0.001 ? "&lt; 0.1 %" : fmt::format("{:.3g} %", 100 * share);
     return fmt::format("<td class=\"n\"><data value=\"{}\">{}</data></td>", file::decimal(share), text);
 }
 
-/// What a column shows of a strategy.
+/// A column of the table of strategies.
 struct StrategyColumn {
     const char *name, *column;
     bool share;
@@ -57,7 +57,7 @@ std::string summary_table(const measure::evaluate::EvaluationRequest& request,
     std::vector<Counted> counts{{"false hits", "false_hit"},
                                 {"false misses", "false_miss"},
                                 {"NaN", "not_a_number"},
-                                {"wrong solids", "wrong_object"}};
+                                {"wrong primitives", "wrong_object"}};
     if (request.scene->mesh)
         counts.insert(counts.end(),
                       {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
@@ -93,8 +93,8 @@ std::string summary_table(const measure::evaluate::EvaluationRequest& request,
 }
 
 std::string choice_table(const choice::Chosen& chosen) {
-    std::string text = "<table>" + header_row({"form", "format", "registers", "ns a ray and solid", "bits kept",
-                                               "rays wrong", "meets the wish"});
+    std::string text = "<table>" + header_row({"form", "format", "registers", "ns per ray and primitive", "bits kept",
+                                               "rays wrong", "meets the requirement"});
     for (const std::size_t k : measure::choice::by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
@@ -103,7 +103,7 @@ std::string choice_table(const choice::Chosen& chosen) {
         text += fmt::format("<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", c.time.median * 1e9,
                             std::isnan(c.worth.kept_bits) ? "&ndash;" : fmt::format("{:.1f}", c.worth.kept_bits));
         text += share_cell(c.worth.wrong_fraction());
-        text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                    ? "yes: chosen"
+        text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                    ? "yes, chosen"
                                                   : c.worth.meets(chosen.request.wish) ? "yes"
                                                                                        : "no");
     }
@@ -114,15 +114,11 @@ std::string mend_table(const mend::MendResult& r) {
     const auto& wish = r.request.wish;
     const auto proposals = proposals_of(r);
     const mend::Proposal* const best = best_of(proposals, wish);
-    std::vector<std::string> names{"form",
-                                   "operations that round",
-                                   "of them in " + mend::name_of_wider(r.mended.wider),
-                                   "bits kept",
-                                   "rays wrong",
-                                   "on other rays: bits kept",
-                                   "rays wrong",
-                                   "meets the wish"};
-    if (!r.prices.empty()) names.insert(names.end(), {"ns a ray and solid in packs", "ns alone", "front"});
+    std::vector<std::string> names{
+        "form",       "rounding operations",  "of them in " + mend::name_of_wider(r.mended.wider),
+        "bits kept",  "rays wrong",           "on other rays: bits kept",
+        "rays wrong", "meets the requirement"};
+    if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = "<table>" + header_row(names);
     const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
     for (const mend::FormRow& row : rows_of(r)) {
@@ -135,7 +131,7 @@ std::string mend_table(const mend::MendResult& r) {
             add(worth ? worth->kept_bits : NAN);
             add(worth ? static_cast<double>(worth->wrong) : NAN);
         }
-        text += fmt::format("<td>{}</td>", is_best ? "yes: to take" : row.worth->meets(wish) ? "yes" : "no");
+        text += fmt::format("<td>{}</td>", is_best ? "yes, recommended" : row.worth->meets(wish) ? "yes" : "no");
         if (!r.prices.empty()) {
             add(row.price ? row.price->packed.median * 1e9 : NAN);
             add(row.price ? row.price->single.median * 1e9 : NAN);

@@ -1,4 +1,4 @@
-// Numbers and strings as HTML and JSON hold them.
+// Numbers and strings in HTML and JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,20 +10,20 @@
 
 namespace lostbits::output::page {
 
-/// With &, <, > and quotes written as entities.
+/// Writes &, <, > and quotes as entities.
 [[nodiscard]] std::string html(std::string_view text);
 
-/// A rounded number to look at that carries the exact one: `<data value="12.818665731680333">12.82</data>`; a dash for
-/// a NaN.
+/// A rounded number for display that carries the exact one: `<data value="12.818665731680333">12.82</data>`. NaN is a
+/// dash.
 [[nodiscard]] std::string shown(double value);
 
 /// The head of a table, up to its first row.
 [[nodiscard]] std::string header_row(const std::vector<std::string>& names);
 
-/// Members stay in the order in which they are added.
+/// JSON object whose members keep the order in which they are added.
 using Json = nlohmann::ordered_json;
 
-/// The number; null for a NaN, "inf" and "-inf" as strings, since JSON has no such numbers.
+/// The number; null for NaN, and "inf" or "-inf" as strings, because JSON has no such numbers.
 [[nodiscard]] Json number_json(double value);
 
 /// `[r,g,b]`
@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 /// `{"lo":…,"hi":…,"log2":…,"ticks":[[position,label],…]}`
 [[nodiscard]] Json scale_json(const image::ColourScale& scale);
 
-/// `of(item)` of every item, as an array.
+/// Array of `of(item)` for every item.
 template <class Items, class Of>
 [[nodiscard]] Json array_of(const Items& items, const Of& of) {
     Json array = Json::array();
@@ -40,8 +40,9 @@ template <class Items, class Of>
     return array;
 }
 
-/// The text, without spaces: a double as the shortest decimal that reads back to it, as the CSV has it (dump() is not
-/// always the shortest and writes 1 as 1.0); `<` as \u003c, so that the text may stand inside a script element.
+/// JSON text without spaces. A double is the shortest decimal that reads back to it, as in the CSV (dump() is not
+/// always the shortest and writes 1 as 1.0). `<` is written as \u003c, so that the text may stand inside a script
+/// element.
 [[nodiscard]] std::string text_of(const Json& json);
 
 }  // namespace lostbits::output::page

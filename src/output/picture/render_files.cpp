@@ -13,10 +13,9 @@ namespace {
 
 table::Table<StageRow> stage_table() {
     using R = StageRow;
-    table::Table<R> table{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong",
+    table::Table<R> table{{"stage", "string", "", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
-    table.add(table::subject_columns("form that finds hits and shadows", "format that everything is computed in"),
-              &R::row);
+    table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"), &R::row);
     for (const auto& column : measure::picture::render_columns())
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
     return table;
@@ -97,7 +96,7 @@ void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& sum
     for (std::size_t s = 0; s < stages; ++s)
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             table_.add({request_.stages[s], &request_.rows[r], &summaries[r * stages + s]});
-    // Closed last: a folder with a summary is a finished one.
+    // Closed last, because a summary marks a folder as complete.
     table::close_tables(options_.folder, request_.scene.title, table_);
 }
 

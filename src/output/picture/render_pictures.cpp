@@ -30,7 +30,7 @@ using SharedLook = std::shared_ptr<const Look>;
 
 constexpr Rgb8 nan_colour{255, 0, 255}, lit{255, 255, 125};
 
-/// A difference map of numbers; of pixels that are not seen alike it has the classes.
+/// A difference map of numbers. Pixels on which the two see different things show classes instead.
 struct ErrorMap {
     const char* title;
     const char* unit;
@@ -66,15 +66,16 @@ PixelValue certified(const measure::picture::TrueColour& c) {
 }
 
 constexpr const char* glance_means =
-    "wrong colour: a byte is not that of the certified picture; wrong sphere: another one is seen, none where there is "
+    "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
+    "is "
     "one, or one where there is none";
 
 image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& grid) {
     const scene::file::Scene& scene = request.scene;
     image::SheetSpec spec{.title = scene.title,
-                          .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id,
+                          .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
                                                    scene.width, scene.height),
-                                       "the picture of each form in each format, beside the certified one",
+                                       "the picture of each form in each format, next to the certified one",
                                        glance_means, map::input_note(scene, request.rows)},
                           .forms = {"certified"},
                           .formats = {},
@@ -89,7 +90,7 @@ image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& gr
     return spec;
 }
 
-/// The columns of a request.
+/// Columns of a request.
 class RenderColumns {
 public:
     RenderColumns(const RenderRequest& request, const map::RowGrid& grid) : request_(request), grid_(grid) {
@@ -132,7 +133,7 @@ private:
                 [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.normal_angle[i]); });
         if (any_stage(&ShadeRule::shadows))
             add(map_spec(r, name + ".shadow.png", "shadow decisions",
-                         "shadow decisions where both see the same: on spheres that face the light, and on the "
+                         "shadow decisions where both see the same: on the lit sides of spheres, and on the "
                          "background if it is a plane",
                          shadows_),
                 r, [](const RenderBand& band, std::size_t i) { return shadow_of(band.seen[i], band.shadow[i]); });

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int least_cell_width = 26, cell_room = 6, cell_height = 22, group_gap = 14, beside_label = 8, block_gap = 12;
 
-/// Luminance decides the ink: 0.18 linear is where black and white on a colour have the same contrast.
+/// Black or white ink by luminance. At a relative luminance of 0.18 both have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
     const double light =
         (0.2126 * image::linear_light(c.r) + 0.7152 * image::linear_light(c.g) + 0.0722 * image::linear_light(c.b)) /
@@ -30,7 +30,7 @@ std::size_t column_count(const MatrixPlotSpec& spec) {
     return n;
 }
 
-/// Where the left edge of each column lies, from the left edge of the first.
+/// Left edge of each column, measured from the left edge of the first.
 std::vector<int> column_places(const MatrixPlotSpec& spec, int cell_width) {
     std::vector<int> places;
     int x = 0;
@@ -41,7 +41,7 @@ std::vector<int> column_places(const MatrixPlotSpec& spec, int cell_width) {
     return places;
 }
 
-/// Of all cells: that of the widest text.
+/// Width of all cells, which is that of the widest text.
 int width_of_cells(const MatrixPlotSpec& spec) {
     int width = least_cell_width;
     for (const MatrixCell& cell : spec.cells) {
@@ -65,7 +65,7 @@ void draw_cell(Canvas& page, int x, int y, int cell_width, const MatrixCell& cel
 void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec) {
     const std::size_t columns = column_count(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
-        throw std::invalid_argument(path.string() + ": not one cell per row and column");
+        throw std::invalid_argument(path.string() + ": the number of cells is not rows x columns");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
     int left = 0, head_room = 0;
     for (const auto& r : spec.rows) {
@@ -133,17 +133,17 @@ double off_scale(AxisSpec::Scale scale, double value) {
                                             : std::pow(10.0, value);
 }
 
-/// Where cells begin and end: half-way between the parameters, and as far beyond the outer ones.
+/// Edges of the cells: half-way between the parameters, and as far beyond the outer ones.
 std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& values) {
     std::vector<double> s;
     for (const double value : values) {
         if (!std::isfinite(value) || (axis.scale != AxisSpec::Scale::linear && !(value > 0)) ||
             (!s.empty() && !(on_scale(axis.scale, value) > s.back()))) {
-            throw std::invalid_argument("plane plot: " + axis.title + " does not rise, or leaves its axis");
+            throw std::invalid_argument("plane plot: " + axis.title + " does not rise, or is not on its axis");
         }
         s.push_back(on_scale(axis.scale, value));
     }
-    // A single cell is given room about its value: a tenth of it, or an octave or a decade.
+    // A single cell gets some space around its value: a tenth of it, or an octave or a decade.
     const double lone = axis.scale == AxisSpec::Scale::linear && s[0] != 0 ? std::fabs(s[0]) / 5 : 1;
     std::vector<double> out{s.size() > 1 ? s[0] - (s[1] - s[0]) / 2 : s[0] - lone / 2};
     for (std::size_t i = 1; i < s.size(); ++i) out.push_back(s[i - 1] + (s[i] - s[i - 1]) / 2);
@@ -152,7 +152,7 @@ std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& va
     return out;
 }
 
-/// The field's extent in pixels: a whole number a cell while cells are few.
+/// Extent of the field in pixels: a whole number of pixels per cell if cells are few.
 int extent(std::size_t cells, int least) {
     const int n = static_cast<int>(cells);
     return n >= least ? n : (least + n - 1) / n * n;
@@ -164,8 +164,8 @@ void hatch(Canvas& canvas, int x, int y, int width, int height) {
     }
 }
 
-/// Lines two pixels wide on the inner side of the border of the outlined cells, with a light one outside, so that they
-/// are seen on every colour. `column` and `row` give the pixel at which a cell begins.
+/// Draws lines two pixels wide along the inner side of the border of the outlined cells, and a light line outside, so
+/// that they are visible on every colour. `column` and `row` give the pixel at which a cell begins.
 template <class Column, class Row>
 void outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
     const std::size_t columns = spec.x.size(), rows = spec.y.size();
@@ -198,13 +198,13 @@ AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
 
 void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
-        throw std::invalid_argument(path.string() + ": not one cell per pair of parameters");
+        throw std::invalid_argument(path.string() + ": the number of cells is not x values times y values");
     }
     bool hatched = false;
     for (const auto& cell : spec.cells) {
         hatched |= !cell.colour && std::isnan(cell.value);
         if (!cell.colour && !std::isnan(cell.value) && !spec.scale) {
-            throw std::invalid_argument(path.string() + ": a value without a colour scale");
+            throw std::invalid_argument(path.string() + ": a cell has a value, but there is no colour scale");
         }
     }
     const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);

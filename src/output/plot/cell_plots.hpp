@@ -1,5 +1,4 @@
-// Cells of colour as a picture: a table of named rows against named columns, and a value over a plane of two
-// parameters.
+// Pictures made of coloured cells: a table of named rows and columns, and a value over a plane of two parameters.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +14,7 @@ namespace lostbits::output::plot {
 
 struct MatrixCell {
     image::Rgb8 colour = image::style::page;
-    std::string text = {};  ///< `24/48`; in dark or light ink, whichever is read better
+    std::string text = {};  ///< `24/48`, in dark or light ink, whichever contrasts more
 };
 
 struct MatrixPlotSpec {
@@ -33,34 +32,33 @@ struct MatrixPlotSpec {
     std::string unit = {};                         ///< above the bar
 };
 
-/// Writes the picture as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file, and
-/// std::invalid_argument for a wrong number of cells or none.
+/// Writes the picture as a PNG. The same spec gives the same bytes. Throws EnvironmentError for a file that cannot be
+/// written, and std::invalid_argument for no cells or a wrong number of them.
 void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec);
 
-/// One pair of parameters: an outcome's colour, or else a value; a NaN without a colour is left hatched.
+/// One pair of parameters: an outcome's colour, or else a value. A NaN without a colour is hatched.
 struct PlaneCell {
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<image::Rgb8> colour = {};
-    bool outlined = false;  ///< a line is drawn around neighbouring cells that are
+    bool outlined = false;  ///< a line is drawn around neighbouring outlined cells
 };
 
 struct PlanePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
     AxisSpec x_axis, y_axis;                  ///< title and scale; the ends follow from the cells
-    std::vector<double> x, y;                 ///< the parameters of columns (to the right) and rows (upwards), rising
+    std::vector<double> x, y;                 ///< the rising parameters of columns (to the right) and rows (upwards)
     std::vector<PlaneCell> cells;             ///< row by row, the row of y[0] first
-    std::optional<image::ColourScale> scale;  ///< required where a cell shows its value
+    std::optional<image::ColourScale> scale;  ///< required if a cell shows its value
     std::string unit;                         ///< over the colour bar: `lost bits`
     std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
-    std::string none_means = "no value";      ///< what hatched cells are
+    std::string none_means = "no value";      ///< meaning of hatched cells
 };
 
-/// Writes the plot as a PNG; the same spec gives the same bytes. A cell reaches half-way to its neighbours on the
-/// scale of the axis, at least one pixel, and has one flat colour; a legend entry is added for hatched cells.
-///
-/// Throws EnvironmentError for an unwritable file, and std::invalid_argument for parameters that do not rise or have
-/// no place on their axis, a wrong number of cells, and a value without a colour scale.
+/// Writes the plot as a PNG. The same spec gives the same bytes. A cell has one flat colour and reaches half-way to its
+/// neighbours on the scale of the axis, at least one pixel. A legend entry is added for hatched cells.
+/// Throws EnvironmentError for a file that cannot be written, and std::invalid_argument for parameters that do not rise
+/// or are not on their axis, a wrong number of cells, or a value without a colour scale.
 void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -14,10 +14,10 @@ namespace lostbits::output::plot {
 
 namespace {
 
-// Marches stand beside the forms for a shape, but those for two shapes never stand beside each other.
+// Marches stand beside the forms for one shape. Forms for two shapes never stand beside each other.
 constexpr std::size_t first_march = std::ranges::max(std::span(intersect::form_counts).first<shape_rows.size()>());
 constexpr std::size_t first_free = first_march + intersect::SdfForms::size;
-static_assert(first_free < look_count, "more colours and markers are needed, some for forms from outside");
+static_assert(first_free < look_count, "more colours and markers are needed: forms from outside need some too");
 
 std::uint64_t hash_of(std::string_view name) {
     shard::InputHash hash;

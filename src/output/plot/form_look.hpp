@@ -1,4 +1,4 @@
-// The colour and the marker of a form: the same in every plot and on the page, whatever is shown beside it.
+// Colour and marker of a form, the same in every plot and on the page, whatever else is shown.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace lostbits::output::plot {
 
-/// Its place in `look_count`. A form of the catalogue has that of its line there, so that no two that can stand
-/// in one plot share one. One from outside has one of those left over, by a hash of its name; where another form from
-/// outside was enrolled before it and has that, the next one.
+/// Index of the form's look among `look_count`. A form of the catalogue has the look of its line there, so no two forms
+/// that can stand in one plot share a look. A form from outside gets one of the remaining looks, by a hash of its name;
+/// if an earlier form from outside has that look, the next one.
 [[nodiscard]] std::size_t form_look(const intersect::table::Intersector& form);
 
 }  // namespace lostbits::output::plot

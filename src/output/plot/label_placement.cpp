@@ -12,8 +12,8 @@ using image::Point;
 namespace {
 
 constexpr std::array<double, 10> distances{6, 11, 18, 27, 40, 56, 76, 100, 130, 170};  // pixels from the point
-// Right, left, above and below before the corners: twelve places around the point. Cosines and sines, by hand: the same
-// everywhere.
+// Twelve directions: right, left, above and below before the corners. Cosines and sines are written out, so that they
+// are the same on every machine.
 constexpr std::array<std::pair<double, double>, 12> directions{{{1, 0},
                                                                 {-1, 0},
                                                                 {0, -1},
@@ -26,7 +26,7 @@ constexpr std::array<std::pair<double, double>, 12> directions{{{1, 0},
                                                                 {-0.5, -0.866},
                                                                 {0.5, 0.866},
                                                                 {-0.5, 0.866}}};
-// A cover costs more than the farthest place is away: it happens only where every place covers something.
+// Covering a box costs more than the largest distance, so it happens only if every position covers something.
 constexpr double between_labels = 3, price_of_cover = 400;  // pixels
 constexpr double leader_step = 3;
 

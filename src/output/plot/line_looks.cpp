@@ -1,4 +1,4 @@
-// What the lines of a plot look like, and which series share one.
+// Looks of the lines of a plot, and series that share a line.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace lostbits::output::plot {
 
 namespace {
 
-// Okabe and Ito 2008 without the yellow, which a light page swallows, and with a wine red in its place.
+// Okabe and Ito 2008, but with a wine red in place of the yellow, which is hard to see on a light page.
 constexpr std::array<image::Rgb8, line_colours> palette{{
     {0, 114, 178},
     {213, 94, 0},
@@ -30,7 +30,7 @@ constexpr std::array<double, 4> dash_dot{11, 3, 2, 3};
 constexpr std::array<double, 6> dash_dot_dot{11, 3, 2, 3, 2, 3};
 
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
-    // A NaN is where a NaN is; 0 and -0 are drawn alike.
+    // Two NaNs are the same, and 0 and -0 are drawn alike.
     return std::ranges::equal(a, b, [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
 }
 
@@ -58,10 +58,10 @@ image::Rgb8 look_colour(std::size_t look) { return palette[look % palette.size()
 
 namespace {
 
-/// Gives out looks and dashes, no two alike while any are left.
+/// Assigns looks and dashes. No two are alike while any are left.
 class Looks {
 public:
-    /// Of all series, so that one which shares its line here looks as in a plot where it does not.
+    /// Takes all series, so that one that shares its line here looks as it does in a plot where it has its own.
     explicit Looks(std::span<const Series> all) {
         for (const Series& series : all) {
             if (series.look) asked_.insert(*series.look % look_count);
@@ -85,8 +85,8 @@ public:
     }
 
 private:
-    /// No two looks of one colour while there are no more of them than colours: of two the later one gets a free
-    /// colour, with its marker.
+    /// Gives every look a colour of its own while there are no more looks than colours. Of two looks with the same
+    /// colour the later one gets a free colour and keeps its marker.
     void part_colours(std::span<const Series> all) {
         for (const std::size_t look : asked_) drawn_.emplace(look, look);
         if (asked_.size() > line_colours) return;
@@ -110,7 +110,7 @@ private:
         while (next_ < look_count - 1 && (asked_.contains(next_) || taken_.contains(next_))) ++next_;
     }
 
-    /// The first pattern from this one on that no line of the look has.
+    /// Finds the first pattern, from `pattern` on, that no line of the look has.
     bool find_free(std::size_t look, int& pattern) {
         for (int k = pattern; k < dash_patterns; ++k) {
             if (taken_[look].contains(k)) continue;
@@ -121,7 +121,7 @@ private:
     }
 
     std::set<std::size_t> asked_;
-    std::map<std::size_t, std::size_t> drawn_;  ///< by the look that is asked for
+    std::map<std::size_t, std::size_t> drawn_;  ///< drawn look of each requested look
     std::map<std::string, std::size_t> families_;
     std::map<std::size_t, std::set<int>> taken_;
     std::size_t next_ = 0;
@@ -131,7 +131,7 @@ private:
 
 std::vector<PlotLine> plot_lines(std::span<const Series> series) {
     std::vector<PlotLine> lines;
-    std::vector<int> alike;  // series of each line
+    std::vector<int> alike;  // number of series of each line
     for (const auto& one : series) {
         check(one);
         const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
@@ -149,7 +149,7 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
         }
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
-        if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " the same: " + lines[k].label;
+        if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " alike: " + lines[k].label;
     }
     Looks looks(series);
     for (PlotLine& line : lines) looks.give(line);

@@ -23,15 +23,15 @@ using image::Point;
 
 namespace {
 
-constexpr int legend_gap = 34;          // wide enough for the lines that lead to the legend
+constexpr int legend_gap = 34;          // space for the lines that lead to the legend
 constexpr int frame_pad = 9;            // half a marker, or the triangle of an infinite value
-constexpr int least_right = 120;        // room for the label of a mark at the right edge
-constexpr std::size_t few_points = 24;  // a line of at most so many shows each of them
+constexpr int least_right = 120;        // space for the label of a mark at the right edge
+constexpr std::size_t few_points = 24;  // a line with at most this many points marks each of them
 constexpr double marker_pitch = 58;     // pixels between markers on a line of many points
 constexpr double triangle_pitch = 11;
 constexpr double band_opacity = 0.12;
 
-/// What could not be drawn, for the footnotes.
+/// Counts of what could not be drawn, for the footnotes.
 struct Lacking {
     int off_scale_x = 0, off_scale_y = 0, infinite_x = 0, infinite_y = 0, marks = 0;
 
@@ -40,11 +40,12 @@ struct Lacking {
         const auto add = [&](int count, const char* one, const char* many) {
             if (count > 0) out.push_back(scene::toml::counted(count, one, many));
         };
-        if (infinite_y > 0) out.emplace_back("A triangle at the edge stands for an infinite value.");
-        add(off_scale_y, "value that is not positive has no place on the log axis and is not drawn.",
-            "values that are not positive have no place on the log axis and are not drawn.");
-        add(off_scale_x, "point whose parameter is not positive has no place on the log axis and is not drawn.",
-            "points whose parameter is not positive have no place on the log axis and are not drawn.");
+        if (infinite_y > 0) out.emplace_back("A triangle at the edge marks an infinite value.");
+        add(off_scale_y, "value is not positive and is not drawn, because the axis is logarithmic.",
+            "values are not positive and are not drawn, because the axis is logarithmic.");
+        add(off_scale_x,
+            "point has a parameter that is not positive and is not drawn, because the axis is logarithmic.",
+            "points have parameters that are not positive and are not drawn, because the axis is logarithmic.");
         add(infinite_x, "point with an infinite parameter is not drawn.",
             "points with an infinite parameter are not drawn.");
         add(marks, "mark lies outside the axis.", "marks lie outside the axis.");
@@ -83,15 +84,14 @@ std::optional<std::size_t> last_drawn(const Series& series, const AxisRange& x, 
     return {};
 }
 
-/// Where a line ends on the page, as it is drawn: from the left and from the foot, each 0..1; nothing when it is
-/// nowhere drawn.
+/// End of a line on the page, from the left and from the foot, each from 0 to 1; nothing if none of it is drawn.
 std::optional<std::pair<double, double>> end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
     const auto i = last_drawn(*line.series, x, y);
     if (!i) return {};
     return std::pair{x.position(line.series->x[*i]), std::clamp(y.position(line.series->y[*i]), 0.0, 1.0)};
 }
 
-/// ` (no values)`, ` (ends at 2^20.3)`; nothing for a line that has a value for its last parameter.
+/// ` (no values)`, ` (ends at 2^20.3)`; empty for a line with a value at its last parameter.
 std::string ending(const PlotLine& line, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y) {
     const Series& series = *line.series;
     const auto last = last_drawn(series, x, y);
@@ -122,15 +122,15 @@ public:
                 return static_cast<int>(std::lround(frame_.across(std::clamp(x_.position(value), 0.0, 1.0))));
             };
             if (!x_.has_place(shade.from) || !x_.has_place(shade.to)) continue;
-            // One that reaches the end of the axis reaches the frame.
+            // A shade that reaches the end of the axis is drawn up to the frame.
             const int from = x_.position(shade.from) <= 0 ? frame_.x : edge(shade.from),
                       to = x_.position(shade.to) >= 1 ? frame_.x + frame_.width : edge(shade.to);
             canvas.fill(from, frame_.y, to - from, frame_.height, shade_fill);
         }
     }
 
-    /// From where lines end to their names in the legend at pixel x. One that ends before the axis does has no way
-    /// there that would not cross others; its name says where it ends.
+    /// Draws lines from the ends of the plotted lines to their names in the legend at pixel x. A line that ends before
+    /// the axis has no connection, because it would cross others. Its name says where it ends.
     void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
         image::Stroke stroke({frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {
@@ -168,7 +168,7 @@ public:
         const Series& series = *line.series;
         if (series.low.empty()) return;
         each_run(series, [&](std::size_t begin, std::size_t end) {
-            // A NaN in the band ends it, though the line goes on.
+            // A NaN in the band ends the band, but not the line.
             for (std::size_t from = begin; from < end; ++from) {
                 std::size_t to = from;
                 while (to < end && !std::isnan(series.low[to]) && !std::isnan(series.high[to])) ++to;
@@ -181,7 +181,7 @@ public:
 
     void line(Canvas& canvas, const PlotLine& line, bool markers, std::size_t index) {
         const Series& series = *line.series;
-        // Markers of different lines start at different places, so that they do not pile up where lines meet.
+        // Markers of different lines start at different positions, so that they do not pile up where lines meet.
         double next = frame_.x + std::fmod(static_cast<double>(index) * 17, marker_pitch), triangle = -1e9;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto run = points(series, begin, end, series.y);
@@ -216,7 +216,7 @@ public:
     }
 
 private:
-    /// Calls `f(begin, end)` for the runs of points that can be drawn.
+    /// Calls `f(begin, end)` for each run of points that can be drawn.
     template <class F>
     void each_run(const Series& series, F f) {
         for (std::size_t begin = 0; begin < series.x.size(); ++begin) {
@@ -231,7 +231,7 @@ private:
                                             const std::vector<double>& y) const {
         std::vector<Point> out;
         for (std::size_t i = begin; i < end; ++i) {
-            // The lower end of a band may leave a log axis.
+            // The lower end of a band may be below a log axis.
             const double position = y_.has_place(y[i]) ? y_.position(y[i]) : 0;
             out.push_back({frame_.across(x_.position(series.x[i])), frame_.up(position)});
         }
@@ -247,9 +247,11 @@ private:
 }  // namespace
 
 void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
-    if (spec.width < 400 || spec.height < 200) throw std::invalid_argument(path.string() + ": too small for a plot");
+    if (spec.width < 400 || spec.height < 200)
+        throw std::invalid_argument(path.string() + ": a plot needs at least 400 x 200 pixels");
     auto lines = plot_lines(spec.series);
-    if (spec.envelope) static_cast<void>(plot_lines({&*spec.envelope, 1}));  // its columns are checked like any
+    if (spec.envelope)
+        static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
     const AxisRange x(spec.x, values_of(spec, true)), y(spec.y, values_of(spec, false));
     for (auto& line : lines) line.label += ending(line, spec, x, y);
     std::vector<std::size_t> order(lines.size());
@@ -288,7 +290,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     if (spec.envelope) measured.count(*spec.envelope, lacking);
     std::vector<std::string> said = lacking.notes();
     if (lines.size() < spec.series.size())
-        said.push_back(fmt::format("{} for {} series: those with the same values throughout share one.",
+        said.push_back(fmt::format("{} for {} series: series with the same values share a line.",
                                    scene::toml::counted(lines.size(), "line"), spec.series.size()));
     said.insert(said.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading({}, said, content);
@@ -305,7 +307,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     if (spec.envelope) plot.envelope_line(page);
     for (const auto& line : lines) plot.band(page, line);
     labels.draw(page, frame.y - 1, frame.y + frame.height);
-    // Dashes over solid lines: where two agree for a while, both are seen.
+    // Draw dashed lines over solid ones, so that both are visible where they agree.
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) plot.line(page, lines[i], markers, i);
     axes.draw(page, frame);

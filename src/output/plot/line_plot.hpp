@@ -1,4 +1,4 @@
-// A sweep as a picture: a value against a parameter, for as many forms and formats as there are.
+// A value plotted against a parameter, for any number of forms and formats.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,26 @@
 
 namespace lostbits::output::plot {
 
-/// One line. The points are joined in their order; x of a line should not fall.
+/// One line. Its points are joined in their order, and x should not fall.
 struct Series {
     std::string label;
-    std::vector<double> x, y;       ///< a NaN breaks the line; an infinite y lies at the edge, with a triangle
-    std::vector<double> low, high;  ///< a band, drawn faint; both empty, or as long as x
+    std::vector<double> x, y;       ///< a NaN breaks the line; an infinite y is a triangle at the edge
+    std::vector<double> low, high;  ///< a faint band; both empty, or as long as x
     bool dashed = false;
-    std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty = none
-    /// Of `look_count`: the colour and marker that it has in every plot, whatever is drawn beside it, but for its
-    /// colour where an earlier series has that and there are no more looks than colours; none: the first that no other
-    /// series asks for.
+    std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty: none
+    /// Look below `look_count`: the colour and marker of the series in every plot. Its colour differs only if an
+    /// earlier series has it and there are no more looks than colours. None: the first look that no other series asks
+    /// for.
     std::optional<std::size_t> look = {};
 };
 
-/// A vertical line with a label above the frame: an onset, a prediction.
+/// A vertical line with a label above the frame: an onset or a prediction.
 struct PlotMark {
     double x;
     std::string label;
 };
 
-/// A part of the x axis, drawn as a wash behind the lines; the label stands in the legend.
+/// A part of the x axis, drawn as a wash behind the lines. The legend has its label.
 struct PlotShade {
     double from, to;
     std::string label;
@@ -41,24 +41,22 @@ struct LinePlotSpec {
     std::vector<std::string> subtitle;
     AxisSpec x, y;
     std::vector<Series> series;
-    std::optional<Series> envelope = {};  ///< what no form can be better than: grey below it
+    std::optional<Series> envelope = {};  ///< lower bound for any form: grey below it
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
-    std::string nothing = "no data";      ///< stands in the middle where no line has a value
-    std::vector<std::string> notes = {};  ///< below the plot, a sentence each
-    int width = 1100, height = 620;       ///< the height grows where legend or marks need it
+    std::string nothing = "no data";      ///< text in the middle if no line has a value
+    std::vector<std::string> notes = {};  ///< sentences below the plot
+    int width = 1100, height = 620;       ///< the height grows if legend or marks need it
 };
 
 /// Writes the plot as a PNG; the same spec gives the same bytes.
-///
-/// Series with the same points (and band) are drawn once and share one line of the legend, which says how many they
-/// are, since many forms agree bit for bit. Each entry of the legend stands as near to the end of its line as the
-/// others allow, and a thin line leads there; where the legend needs two columns, it is only sorted as the lines end.
-/// Series without a look of their own get colours in their order; when there are more than eight, markers tell them
-/// apart. What cannot be drawn is counted in a footnote.
-///
-/// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
-/// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.
+/// Many forms agree bit for bit. Series with the same points (and band) are drawn once and share one line of the
+/// legend, which says how many they are. Each entry of the legend stands as near to the end of its line as the others
+/// allow, and a thin line leads there. If the legend needs two columns, it is only sorted in the order in which the
+/// lines end. Series without a look of their own get colours in their order. If there are more than eight, markers tell
+/// them apart. A footnote counts what cannot be drawn.
+/// Throws EnvironmentError for a file that cannot be written. Throws std::invalid_argument for x, y and bands of
+/// different lengths, for ends of axes that AxisRange refuses, and for a picture of less than 400 by 200 pixels.
 void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -48,8 +48,8 @@ void draw_edge_triangle(Stroke& stroke, Point tip, bool up) {
 
 std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights, double low,
                                 double high) {
-    // With the heights before each thing taken off, "in order and apart" is "not falling": neighbours that fall take
-    // their common mean (pool adjacent violators), which is the least of the sums of squares.
+    // Subtract from each wish the heights before it. "In order and without overlap" then means "not falling". Falling
+    // neighbours take their common mean (pool adjacent violators), which minimizes the sum of squares.
     struct Block {
         double sum;
         std::size_t n;
@@ -81,7 +81,7 @@ std::vector<double> places_near(std::span<const double> wishes, std::span<const 
 PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room)
     : markers_(markers) {
     struct Try {
-        int size, columns, per_cent;  // of the width, for all columns
+        int size, columns, per_cent;  // share of the width for all columns, in percent
     };
     for (const auto& [size, columns, per_cent] :
          {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
@@ -129,7 +129,7 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     for (const auto& line : lines) add(line.label, &line, nullptr);
     for (const auto& area : areas) add(area.label, nullptr, &area);
 
-    // Columns of even height: the least that holds all entries in order.
+    // Columns of even height: the smallest height that holds all entries in order.
     int limit = std::max(total / columns, highest);
     for (;; limit += 2) {
         int column = 0, y = 0;
@@ -195,7 +195,7 @@ MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
         }
         placed_.push_back(std::move(placed));
     }
-    // From the right: a label clears the tops of all labels whose lines begin under it.
+    // From the right, each label clears the tops of all labels whose lines begin under it.
     for (std::size_t i = placed_.size(); i-- > 0;) {
         Placed& one = placed_[i];
         one.rise = 3;

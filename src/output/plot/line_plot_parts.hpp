@@ -1,4 +1,4 @@
-// The parts of a line plot that have a place of their own: what a line looks like, the legend, the labels of marks.
+// Parts of a line plot: looks of lines, the legend, and the labels of marks.
 #pragma once
 
 #include <optional>
@@ -12,27 +12,27 @@
 namespace lostbits::output::plot {
 
 inline constexpr std::size_t line_colours = 8;
-/// Colours, each with as many markers as there are: what series can be told apart by, apart from dashes.
+/// Number of looks: colours times markers. Dashes tell more series apart.
 inline constexpr std::size_t look_count = 6 * line_colours;
 [[nodiscard]] image::Rgb8 look_colour(std::size_t look);
 
-/// Series that agree in every point, as the one line that is drawn for them.
+/// Series that agree in every point, drawn as one line.
 struct PlotLine {
     const Series* series;
-    std::string label;  ///< `schoolbook`, `3 the same: schoolbook, half_b, press`
+    std::string label;  ///< `schoolbook`, `3 alike: schoolbook, half_b, press`
     image::Rgb8 colour;
-    int marker;  ///< 0 for the first eight families, which need none
+    int marker;  ///< 0 for the first eight families, which need no marker
     std::span<const double> dashes;
 };
 
 /// One line for each group of series with the same points, in the order of the series. No two lines have the same
-/// colour, marker and dashes as long as there are at most 240.
+/// colour, marker and dashes if there are at most 240 of them.
 [[nodiscard]] std::vector<PlotLine> plot_lines(std::span<const Series> series);
 
-/// A filled marker of the given kind about 7 pixels across.
+/// Draws a filled marker of the given kind, about 7 pixels across.
 void draw_marker(image::Stroke& stroke, image::Point centre, int kind);
 
-/// A triangle that points to the edge above or below its point.
+/// Draws a triangle that points to the edge above or below its point.
 void draw_edge_triangle(image::Stroke& stroke, image::Point tip, bool up);
 
 inline constexpr double line_thickness = 1.8;
@@ -40,30 +40,32 @@ inline constexpr image::Rgb8 envelope_fill{222, 222, 220};
 inline constexpr image::Rgb8 envelope_edge{150, 150, 150};
 inline constexpr image::Rgb8 shade_fill{236, 230, 216};
 
-/// An area that the legend names: its colour, and that of its upper edge.
+/// An area that the legend names, with its colour and that of its upper edge.
 struct PlotArea {
     std::string label;
     image::Rgb8 fill, edge;
 };
 
-/// Places from `low` on for things that stay in order, thing k `heights[k]` high and as near to `wishes[k]` as those
-/// around it allow, the sum of squares considered; the last ends at `high` if there is room for all.
+/// Positions from `low` on for things that stay in order and do not overlap. Thing k has height `heights[k]` and lies
+/// as near to `wishes[k]` as the others allow, by least squares. The last one ends at or before `high` if there is
+/// space for all.
 [[nodiscard]] std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights,
                                               double low, double high);
 
-/// The legend at the right: lines in the order given, areas last.
+/// The legend at the right: lines in the given order, areas last.
 class PlotLegend {
 public:
     struct Room {
         int width, height;
     };
-    /// Takes small letters and a second column before it is higher than the room, and at most two fifths of its width.
+    /// Uses smaller letters and then a second column rather than exceed the height of the room. Takes at most two
+    /// fifths of its width.
     PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room);
 
-    /// Moves each line's entry to where the line ends, in pixels below the legend's top and no further than `room`; a
-    /// NaN is no place. Does nothing where there are two columns.
+    /// Moves each line's entry to the end of its line, in pixels below the top of the legend and at most `room`. NaN
+    /// means no position. Does nothing if there are two columns.
     void align(std::span<const double> ends, int room);
-    /// Where the sample of line k is, below the legend's top; nothing where entries are not aligned.
+    /// Position of the sample of line k below the top of the legend; nothing if entries are not aligned.
     [[nodiscard]] std::optional<double> sample_of(std::size_t line) const;
 
     [[nodiscard]] int width() const noexcept { return width_; }
@@ -73,7 +75,7 @@ public:
 private:
     struct Entry {
         std::vector<image::TextBitmap> text;
-        const PlotLine* line;  // nullptr for an area
+        const PlotLine* line;  // null for an area
         const PlotArea* area;
         int column = 0, y = 0;
     };
@@ -89,11 +91,11 @@ private:
     int size_ = 0, width_ = 0, height_ = 0;
 };
 
-/// The labels of marks in rows above the frame. A label begins at its line and is higher than every line that it
-/// spans, so neither labels nor lines cross.
+/// Labels of marks in rows above the frame. A label begins at its line and lies above every line that it spans, so
+/// neither labels nor lines cross.
 class MarkLabels {
 public:
-    /// A mark at pixel `x`; the label may reach to pixel `limit`.
+    /// A mark at pixel `x`. Its label may reach to pixel `limit`.
     struct Mark {
         double x;
         std::string label;
@@ -102,7 +104,7 @@ public:
 
     [[nodiscard]] int height() const noexcept { return height_; }
 
-    /// Draws labels and lines; the labels end at `top`, the lines at `foot`.
+    /// Draws labels and lines. The labels end at `top`, the lines at `foot`.
     void draw(image::Canvas& canvas, int top, int foot) const;
 
 private:
@@ -110,7 +112,7 @@ private:
         double x;
         std::vector<image::TextBitmap> text;
         int width = 0, height = 0;
-        int rise = 0;  // of the label's foot above the frame
+        int rise = 0;  // height of the label's foot above the frame
     };
     std::vector<Placed> placed_;
     int height_ = 0;

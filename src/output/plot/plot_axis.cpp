@@ -11,19 +11,19 @@ using image::TextBitmap;
 
 namespace {
 
-/// A range narrower than this, relative to its ends, has no round values that a double could tell apart.
+/// A range narrower than this, relative to its ends, has no round values that a double can tell apart.
 constexpr double least_extent = 1e-12;
-/// What is smaller is taken for 0: a step between subnormal numbers is not round any more.
+/// Smaller sizes count as 0, because steps between subnormal numbers are not round.
 constexpr double least_size = 1e-300;
-/// Of the axis: between the place of 0 and the low end of a log axis.
+/// Share of a log axis between 0 and its low end.
 constexpr double below_low_end = 0.08;
 
-/// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
+/// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
     return image::multiples(image::round_step((hi / 2 - lo / 2) / most * 2), lo, hi);
 }
 
-/// With as many digits as tell the ticks apart.
+/// Labels with enough digits to tell the ticks apart.
 std::vector<std::string> labels_of(const std::vector<double>& values) {
     double largest = 0, step = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -43,11 +43,12 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     : title_(axis.title), scale_(axis.scale), zero_(axis.zero && is_log()), decimals_(axis.decimals) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
-            throw std::invalid_argument("axis " + axis.title + ": an end without a place");
+            throw std::invalid_argument("axis " + axis.title +
+                                        ": an end is not finite, or not positive on a log scale");
         }
     }
     if (axis.low && axis.high && !(*axis.low < *axis.high)) {
-        throw std::invalid_argument("axis " + axis.title + ": its ends are not in order");
+        throw std::invalid_argument("axis " + axis.title + ": the low end is not below the high end");
     }
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const double value : values) {
@@ -88,7 +89,7 @@ double AxisRange::scaled(double value) const noexcept {
 }
 
 double AxisRange::place(double s) const noexcept {
-    // Halves first: hi - lo may overflow.
+    // Halve first, because hi - lo may overflow.
     const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
     return zero_ ? below_low_end + (1 - below_low_end) * share : share;
 }
@@ -102,8 +103,8 @@ double AxisRange::position(double value) const noexcept {
 std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
     const bool two = scale_ == AxisSpec::Scale::log2;
     std::vector<Tick> out;
-    // Numbers that can be read as they are: 2.4, not 2^1.26. A label has room for some six digits, and round steps that
-    // are alike crowd at the upper end of a wider range.
+    // Plain numbers: 2.4, not 2^1.26. A label has space for about six digits, and equal steps crowd at the upper end of
+    // a wider range.
     const double low = two ? std::exp2(lo_) : std::pow(10, lo_), high = two ? std::exp2(hi_) : std::pow(10, hi_);
     if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * least_extent) {
         const auto values = round_values(low, high, most);
@@ -121,7 +122,7 @@ std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
 
 std::string AxisRange::power_label(double exponent, const std::string& text) const {
     const bool two = scale_ == AxisSpec::Scale::log2;
-    // 6 digits: 2^-4 is 0.0625, 2^16 is 65536.
+    // Six digits: 2^-4 is 0.0625, 2^16 is 65536.
     if (decimals_) return image::tick_label(two ? std::exp2(exponent) : std::pow(10, exponent));
     return (two ? "2^" : "10^") + text;
 }
@@ -171,7 +172,7 @@ namespace {
 
 constexpr image::Rgb8 grid_colour{228, 228, 226};
 constexpr int tick_length = 5, minor_length = 3, label_gap = 4, title_gap = 6;
-constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels a labelled tick should have
+constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// The axes of plots: from values to places, the round values that are written beside them, and the frame with its grid,
-// ticks and titles.
+// Axes of plots: mapping from values to positions, round values for ticks, and the frame with its grid, ticks and
+// titles.
 #pragma once
 
 #include <optional>
@@ -10,39 +10,39 @@
 
 namespace lostbits::output::plot {
 
-/// What the caller says about an axis.
+/// Description of an axis by the caller.
 struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
     Scale scale = Scale::linear;
-    std::optional<double> low, high;  ///< the ends; where one is missing the data gives it
-    bool zero = false;                ///< of a log axis: 0 has a place of its own, below its low end
-    bool decimals = false;            ///< of a log axis: ticks are `0.5` and `64`, not `2^-1` and `2^6`
+    std::optional<double> low, high;  ///< the ends; the data gives a missing one
+    bool zero = false;                ///< log axis only: 0 is drawn below the low end
+    bool decimals = false;            ///< log axis only: ticks are `0.5` and `64`, not `2^-1` and `2^6`
 };
 
-/// An axis whose ends are known.
+/// An axis with known ends.
 class AxisRange {
 public:
-    /// The ends are those of `axis`, else the least and greatest of `values` that have a place. A range without extent
-    /// is widened about its value, and a linear one that comes near 0 starts there. Throws std::invalid_argument for
-    /// ends that are not finite, not in order, or not positive on a log scale.
+    /// The ends are those of `axis`, or else the least and greatest of `values` that are on the axis. A range without
+    /// extent is widened about its value, and a linear range that comes near 0 starts there. Throws
+    /// std::invalid_argument for ends that are not finite, not in order, or not positive on a log scale.
     AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
-    /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not, but for a
-    /// zero that has a place of its own.
+    /// True if `value` can be drawn. Infinities can. NaN cannot, and on a log scale neither can values that are not
+    /// positive, except 0 if the axis shows it.
     [[nodiscard]] bool has_place(double value) const noexcept;
 
-    /// 0 at the low end, 1 at the high one, beyond them outside (at most 10^3, so that pixels stay countable); an
-    /// infinite value lies at its end. Meaningless without a place.
+    /// Position of a value: 0 at the low end, 1 at the high end, and outside [0, 1] beyond them (at most 10^3, so that
+    /// pixels stay countable). An infinite value lies at its end. Undefined for a value that cannot be drawn.
     [[nodiscard]] double position(double value) const noexcept;
 
-    /// A tick; without a label it is a minor one.
+    /// A tick; one without a label is a minor tick.
     struct Tick {
         double position;
         std::string label;  ///< `4`, `0.25`, `2^-10`, `10^3`
     };
 
-    /// Round values between the ends, about `most` (at least 2) labelled ones.
+    /// Round values between the ends, with about `most` (at least 2) labels.
     [[nodiscard]] std::vector<Tick> ticks(int most) const;
 
     [[nodiscard]] const std::string& title() const noexcept { return title_; }
@@ -54,7 +54,7 @@ private:
     [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
     void widen(bool low_fixed, bool high_fixed);
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
-    /// Where less than two powers lie between the ends.
+    /// Ticks for less than two powers between the ends.
     [[nodiscard]] std::vector<Tick> ticks_within_a_step(int most) const;
 
     std::string title_;
@@ -63,36 +63,37 @@ private:
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 
-/// A quarter turn against the clock: to be read from the right.
+/// The text turned by 90 degrees counterclockwise, to be read from the right.
 [[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);
 
-/// Where the frame of a plot is and what its axes mean: a value's place in pixels.
+/// Frame of a plot: positions of values in pixels.
 struct PlotFrame {
     int x = 0, y = 0, width = 1, height = 1;  ///< inside the frame
     int pad = 0;                              ///< pixels between the frame and the ends of the axes
 
-    /// The place of 0..1 along an axis. With a pad, 0 and 1 are the middles of pixels; without, their outer edges.
+    /// Pixel of a position from 0 to 1 along an axis. With a pad, 0 and 1 are the middles of pixels; without a pad,
+    /// their outer edges.
     [[nodiscard]] double across(double position) const noexcept;
     [[nodiscard]] double up(double position) const noexcept;
 };
 
-/// The ticks and titles of two axes, rendered once: their room is needed before the frame has a place.
+/// Ticks and titles of two axes, rendered once, because the frame's position depends on their sizes.
 class PlotAxes {
 public:
     /// For a frame of about `width` by `height` pixels.
     PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height);
 
-    /// Pixels that ticks, labels and title take outside the frame.
+    /// Pixels outside the frame for ticks, labels and title.
     [[nodiscard]] int left() const noexcept { return left_; }
     [[nodiscard]] int below() const noexcept { return below_; }
-    /// Half a label, which may stand out at the high ends.
+    /// Half a label, which may stick out at the high ends.
     [[nodiscard]] int above() const noexcept { return above_; }
     [[nodiscard]] int right() const noexcept { return right_; }
 
-    /// Light lines at the labelled ticks.
+    /// Draws light lines at the labelled ticks.
     void draw_grid(image::Canvas& canvas, const PlotFrame& frame) const;
 
-    /// The frame, the ticks outside it, their labels and the titles.
+    /// Draws the frame, the ticks outside it, their labels and the titles.
     void draw(image::Canvas& canvas, const PlotFrame& frame) const;
 
 private:

@@ -50,7 +50,7 @@ Box2 around(Point a, Point b) {
     return {std::min(a.x, b.x) - 1, std::min(a.y, b.y) - 1, std::fabs(a.x - b.x) + 2, std::fabs(a.y - b.y) + 2};
 }
 
-/// The keys side by side, in as many lines as they need.
+/// The keys side by side, in as many lines as needed.
 class Keys {
 public:
     Keys(const std::vector<ScatterPlotSpec::Key>& keys, int width) {
@@ -93,7 +93,7 @@ bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
     return !std::isnan(p.x) && !std::isnan(p.y) && x.has_place(p.x) && y.has_place(p.y);
 }
 
-/// Draws what is inside the frame.
+/// Draws the inside of the frame.
 class Scatter {
 public:
     Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)

@@ -1,4 +1,4 @@
-// Points of two properties; those on the Pareto front are joined by a stepped line and named.
+// Points with two properties. A stepped line joins the points on the Pareto front, which are named.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,14 @@
 
 namespace lostbits::output::plot {
 
-/// Of the palette: in keys of what is not a colour, such as a marker.
+/// Index of ink in the palette, for keys of a property other than colour, such as a marker.
 inline constexpr std::size_t ink_colour = 4;
 
 struct ScatterPoint {
     double x, y;
-    double x_low, x_high;    ///< the spread of x, drawn as a thin bar
-    int marker = 0;          ///< as `draw_marker` has them
-    std::size_t colour = 0;  ///< of the palette
+    double x_low, x_high;    ///< spread of x, drawn as a thin bar
+    int marker = 0;          ///< kind for `draw_marker`
+    std::size_t colour = 0;  ///< index in the palette
     bool faint = false;      ///< grey, small and without a name
     bool hollow = false;
     std::string label = {};
@@ -27,10 +27,10 @@ struct ScatterPlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
     AxisSpec x, y;
-    std::vector<ScatterPoint> points;  ///< a point with a NaN has no place; it is counted in a footnote
+    std::vector<ScatterPoint> points;  ///< a point with a NaN is not drawn, and a footnote counts it
     struct Step {
         double x, y;
-        bool firm = true;  ///< the way to the next step is drawn solid; otherwise dashed
+        bool firm = true;  ///< the line to the next step is solid; otherwise dashed
     };
     std::vector<Step> front;  ///< x does not fall; each step leads right, then up or down
     struct Key {
@@ -43,7 +43,8 @@ struct ScatterPlotSpec {
     int width = 1100, height = 760;
 };
 
-/// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for an unwritable file.
+/// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for a file that cannot be
+/// written.
 void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -11,7 +11,7 @@ using measure::speed::Timing;
 
 table::Table<KernelName> kernel_columns(const std::string& form) {
     return {{"form", "string", "", form, &KernelName::form},
-            {"format", "string", "", "format it computes in", &KernelName::format},
+            {"format", "string", "", "format of the computation", &KernelName::format},
             {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time",
              &KernelName::isa}};
 }

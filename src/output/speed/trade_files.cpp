@@ -25,37 +25,40 @@ using table::Table;
 
 namespace {
 
-constexpr const char* form_meaning = "form under test; with +contract or +fastmath, compiled with those flags";
+constexpr const char* form_meaning = "form under test; with +contract or +fastmath: compiled with those flags";
 
 Table<TimeRow> time_table() {
     using R = TimeRow;
     using Timed = TradeResult::Timed;
     Table<R> table;
     table.add(kernel_columns(form_meaning), &R::name);
-    table.add({"working_set", "string", "",
-               "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again); scene: rays of "
-               "the scene, taken evenly over its picture",
-               [](const R& r) { return r.load->working_set; }});
-    table.add<Timed>({{"working_set_bytes", "integer", "B", "of rays and answers", &Timed::bytes},
-                      {"working_set_rays", "integer", "", "rays that these bytes hold", &Timed::rays},
+    table.add(
+        {"working_set", "string", "",
+         "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays of "
+         "the scene, taken evenly from its picture",
+         [](const R& r) { return r.load->working_set; }});
+    table.add<Timed>({{"working_set_bytes", "integer", "B", "bytes of rays and answers", &Timed::bytes},
+                      {"working_set_rays", "integer", "", "number of rays in these bytes", &Timed::rays},
                       {"hit_rate", "number", "1",
-                       "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
-                       "branch look faster than they are",
+                       "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
+                       "branches look faster than they are",
                        &Timed::hit_rate}},
                      &R::timed);
     const auto timing = [](const R& r) -> const measure::speed::Timing& { return r.timed->timing; };
-    table.add(time_columns("per ray, of a scene per ray and solid; median of the repetitions, as are the quartiles"),
-              timing);
+    table.add(
+        time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),
+        timing);
     table.add<measure::speed::Timing>(
         {{"spread", "number", "1", "(third - first quartile)/median",
           [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
          {"rays_per_second", "number", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
         timing);
-    table.add({"repetitions", "integer", "", "measurements, one in each round over all kernels", &R::repetitions});
+    table.add(
+        {"repetitions", "integer", "", "number of measurements, one in each round over all kernels", &R::repetitions});
     for (std::size_t k = 0; k < operation_names.size(); ++k) {
         const std::string name(operation_names[k]);
         table.add({"ops_" + name, "integer", "",
-                   fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
+                   fmt::format("{} in one evaluation of the form on a hit, as it is written, with constants folded",
                                name == "add"      ? "additions and subtractions"
                                : name == "choose" ? "selects, minima and maxima"
                                : name == "sign"   ? "changes of sign, absolute values and copied signs"
@@ -75,16 +78,17 @@ Table<StandingRow> standing_table() {
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
         return [metric, q](const R& r) { return number_or_missing((r.*metric)->quantile(q)); };
     };
-    Table<R> table{{"ray_set", "string", "", "rays that accuracy is measured on", &R::set}};
+    Table<R> table{{"ray_set", "string", "", "set of rays on which accuracy is measured", &R::set}};
     table.add(kernel_columns(form_meaning), &R::name);
     table.add(
         {{"time_ns", "number", "ns",
-          "per ray of the easy set, working set l1, hit rate 0.5; of a scene, per ray of its own and solid: median",
+          "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of the "
+          "scene",
           [](const R& r) { return r.worth.time_ns; }},
-         {"rays", "integer", "", "rays of the set", [](const R& r) { return r.accuracy->rays; }},
+         {"rays", "integer", "", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
          {"lost_bits_p50", "number", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
-         {"lost_bits_p99", "number", "bits", "99th percentile over the same", quantile(&R::lost, 0.99)},
-         {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs",
+         {"lost_bits_p99", "number", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
+         {"excess_bits_p99", "number", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
           quantile(&R::excess, 0.99)},
          {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
           [](const R& r) { return number_or_missing(r.worth.kept_bits); }},
@@ -93,10 +97,11 @@ Table<StandingRow> standing_table() {
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
           fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
          {"wrong_fraction", "number", "1",
-          "false hits, false misses, NaNs and, of a scene, hits of another solid, among all rays whose truth is known",
+          "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays whose "
+          "truth is known",
           [](const R& r) { return r.worth.wrong_fraction; }},
          {"dominated", "boolean", "",
-          "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
+          "true if another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
           "kept_bits_p99",
           &R::dominated}});
@@ -108,14 +113,14 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
     return s.metrics[measure::metric::place_of(request.metrics, name)];
 }
 
-/// Whose time it is.
+/// Conditions under which the times were measured.
 std::string timed_in_words(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
         return "Time per ray of the easy set, working set l1, every other ray a hit. Measured in this run, so it "
                "varies.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
-        "Time per ray and solid: {} of the scene against {} of its solids. Measured in this run, "
+        "Time per ray and primitive: {} of the scene against {} of its primitives. Measured in this run, "
         "so it varies.\n",
         scene::toml::counted(timed.rays, "ray"), timed.solids);
 }
@@ -144,7 +149,7 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& re
 
 namespace {
 
-/// How a kernel is drawn.
+/// Marker of a kernel.
 struct KernelMark {
     std::string_view isa;
     int marker;
@@ -177,19 +182,19 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     return keys;
 }
 
-/// Whose accuracy and whose time a picture shows.
+/// The rays whose accuracy and time a picture shows.
 std::string shown_rays(const TradeRequest& request, const TradeResult& result, std::size_t set) {
     const auto& timed = result.times.front()[measure::speed::standing_load(request.loads)];
     const std::string repeated = fmt::format("median of {}, bars from quartile to quartile.",
                                              scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
     const std::uint64_t judged = result.accuracy(set, 0).rays;
     if (request.scene)
-        return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its solids; {}",
+        return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
                            scene::toml::counted(judged, "ray"), timed.rays, timed.solids, repeated);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
-        "Accuracy: {} rays of the set {}. Time{}: rays as those of the set {}, {:.0f} KiB of them and "
-        "of answers in the first cache, every other ray a hit; {}",
+        "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and "
+        "of answers in the first-level cache, every other ray a hit; {}",
         judged, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
         static_cast<double>(timed.bytes) / 1024, repeated);
 }
@@ -206,8 +211,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
     spec.subtitle = {shown_rays(request, result, set),
-                     "Named: the Pareto front, and every form that is not of lostbits. Fewer wrong decisions count "
-                     "before more bits, so it may step down to a "
+                     "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
+                     "before more bits, so the front may step down to a "
                      "form that is never wrong."};
     spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
@@ -218,7 +223,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                           .worth = all[k],
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
-                          // One's own form is looked for wherever it is.
+                          // A form from outside is always named, because its author looks for it.
                           .named = !map::is_of_catalogue(*kernel.measured.form->info),
                           .hollow = !all[k].never_wrong()});
     }

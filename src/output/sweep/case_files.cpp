@@ -31,19 +31,20 @@ namespace {
 table::Table<CaseRow> case_table(const CaseRequest& request) {
     using R = CaseRow;
     auto summary = map::summary_table(request.metrics, request.file.shapes());
-    summary.set_meaning("rays", "rays of the case");
+    summary.set_meaning("rays", "number of rays in the case");
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
     table::Table<R> table{
         {"case", "string", "", "name of the case", &R::name},
         {"convention", "string", "",
-         "by whose word touching and t = 0 are judged: the form's own (own); touching a hit (closed) or a miss (open), "
-         "t = 0 a hit",
+         "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
+         "miss (open); "
+         "t = 0 is a hit in both",
          [](const R& r) { return intersect::convention_name(r.summary.row.judged); }},
         {"verdict", "string", "",
          fmt::format(
-             "right ({}), within_inputs (every decision is right, and every answer {}: half an ulp in each input "
-             "would cost the rest), wrong_value, or the most frequent wrong decision",
+             "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
+             "would cost the remaining bits), wrong_value, or the most frequent wrong decision",
              right_means(request.file), within_means(request.file)),
          [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
     return table.add(summary, &R::summary);
@@ -70,7 +71,7 @@ struct CellLook {
     }
 
 private:
-    /// A part of the rays is told by its number, all of them by the colour alone.
+    /// A part of the rays is written as a number; all of them show by the colour alone.
     [[nodiscard]] static plot::MatrixCell wrong(const FormSummary& s, Outcome o) {
         const std::uint64_t n = s.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
@@ -92,16 +93,16 @@ private:
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
                        const std::vector<std::vector<FormSummary>>& cases, std::optional<intersect::Touching> judged) {
     const map::LostBitsScale scale(request.rows);
-    plot::MatrixPlotSpec spec{
-        .title = judged ? fmt::format("{}: judged as {} solids", request.file.title, intersect::convention_name(judged))
-                        : request.file.title,
-        .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
-        .groups = {},
-        .rows = {},
-        .cells = {},
-        .legend = {{"right", case_right_colour, {}}},
-        .scale = scale.bar(),
-        .unit = scale.unit()};
+    plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged by the {} primitive", request.file.title,
+                                                            intersect::convention_name(judged))
+                                              : request.file.title,
+                              .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
+                              .groups = {},
+                              .rows = {},
+                              .cells = {},
+                              .legend = {{"right", case_right_colour, {}}},
+                              .scale = scale.bar(),
+                              .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
     for (const measure::evaluate::TestedForm& row : request.rows) {
         const std::string& format = row.format.name;

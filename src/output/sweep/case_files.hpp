@@ -1,4 +1,4 @@
-// The files of named cases: cases.csv, matrix.png (or one a convention) and datapackage.json.
+// Files of named cases: cases.csv, matrix.png (or one per convention) and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -11,16 +11,17 @@
 
 namespace lostbits::output::sweep {
 
-/// Of a case that a form has right.
+/// Colour of a case that a form answers right.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
-/// What the verdict `right` means: `every decision is right, and no answer loses more than 3 bits`.
+/// Meaning of the verdict `right`: `every decision is right, and no answer loses more than 3 bits`.
 [[nodiscard]] std::string right_means(const scene::sweep::CaseFile& file);
-/// What `within_inputs` means: `within 3 bits of what the inputs allow`.
+/// Meaning of `within_inputs`: `within 3 bits of what the inputs allow`.
 [[nodiscard]] std::string within_means(const scene::sweep::CaseFile& file);
-/// What the numbers in the cells of a matrix are.
+/// Meaning of the numbers in the cells of a matrix.
 inline constexpr const char* numbers_mean =
-    "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: and bits that the inputs cost";
+    "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: those, and the bits that the "
+    "inputs cost";
 
 struct CaseRow {
     std::string name;
@@ -28,10 +29,10 @@ struct CaseRow {
     map::SummaryRow summary;
 };
 
-/// Opened before the work, named when it is whole.
+/// Opens its files before the work and gives them their final names when they are complete.
 class CaseFiles {
 public:
-    /// `named` is what names the file to `lostbits explain`.
+    /// `named` names the file to `lostbits explain`.
     CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder, std::string named);
     void finish(const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
 
@@ -42,7 +43,7 @@ private:
     table::TableFile<CaseRow> csv_;
 };
 
-/// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.
+/// Writes the matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
 void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request,
                        const std::vector<std::vector<measure::evaluate::FormSummary>>& cases,
                        std::optional<intersect::Touching> judged = {});

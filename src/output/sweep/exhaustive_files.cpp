@@ -26,14 +26,14 @@ using scene::sweep::float_at;
 using table::Table;
 using table::when;
 
-/// Some of the floats of a ray, to a form in a format.
+/// Some of the floats of a ray, as answered by a form in a format.
 struct FloatsRow {
     struct Worst {
         std::uint32_t place;
         double ulps, at_most;
         FloatAnswer answer;
     };
-    /// Asks the form again.
+    /// Finds the worst float by asking the form again.
     void find_worst() {
         if (const auto& w = tally.worst)
             worst = {w->place, w->ulps, tally.at_most, answer_at(request, ray, row, w->place)};
@@ -54,7 +54,7 @@ struct FloatsRow {
     Cell right_up_to = {};
 };
 
-/// What first happens among them, or does not.
+/// First float among them at which an event happens, if any.
 struct FloatEventRow {
     FloatsRow of;
     std::size_t event;
@@ -74,7 +74,7 @@ Cell hex_cell(std::uint32_t place) { return file::hex(static_cast<double>(float_
 
 std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
 
-/// What a row of each table is about.
+/// Columns that identify a row in each table.
 Table<FloatsRow> subject_columns() {
     using R = FloatsRow;
     Table<R> table;
@@ -82,22 +82,24 @@ Table<FloatsRow> subject_columns() {
         table::subject_columns(), [](const R& r) -> const auto& { return r.request.rows[r.row]; });
     return table.add(
         {{"ray", "string", "", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
-         {"axis", "string", "", "the number that takes every float; numbers with a unit of their own are its values",
+         {"axis", "string", "",
+          "name of the number that takes every float; columns in the unit of the axis are values of it",
           [](const R& r) { return r.request.sweep.axis.name; }}});
 }
 
 Table<FloatsRow> end_columns(const std::string& unit) {
     return {{"from_hex", "string", unit, "the first float that was tried, exactly",
              [](const FloatsRow& r) { return hex_cell(r.floats.first); }},
-            {"to_hex", "string", unit, "the last", [](const FloatsRow& r) { return hex_cell(r.floats.last); }}};
+            {"to_hex", "string", unit, "the last float that was tried, exactly",
+             [](const FloatsRow& r) { return hex_cell(r.floats.last); }}};
 }
 
 table::TableColumn<FloatsRow> count_column() {
-    return {"floats", "integer", "", "how many were tried: counted",
+    return {"floats", "integer", "", "number of floats that were tried, by counting",
             [](const FloatsRow& r) { return r.tally.floats(); }};
 }
 
-/// How many floats have each of those that can occur.
+/// Columns with the number of floats for each outcome that can occur.
 Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcomes =
@@ -112,23 +114,25 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
     using W = FloatsRow::Worst;
     Table<FloatsRow> table;
     table.add<W>(
-        {{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both",
+        {{"lost_bits_max", "number", "bits",
+          "lost bits of the worst float; missing if no float is a hit for both form and truth",
           [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
          {"worst_ulp_error", "number", "ulp",
-          "(t − t*)/ulp(t*) of the float with the largest in size, by its whole truth", &W::ulps},
+          "(t − t*)/ulp(t*) of the float at which it is largest in size, by the unrounded truth", &W::ulps},
          {"ulp_error_at_most", "number", "ulp",
-          "no float's error is larger in size: next to the worst, and above it by no more than 2^-8 ulp "
-          "where thousands "
-          "of floats are as bad",
+          "bound on the size of the error of every float: close to the worst, and above it by at most 2^-8 ulp "
+          "if thousands "
+          "of floats are equally bad",
           &W::at_most},
-         {"worst_at", "number", unit, "that float", [](const W& w) { return float_at(w.place); }},
-         {"worst_hex", "string", unit, "the same, exactly", [](const W& w) { return hex_cell(w.place); }},
-         {"worst_bits", "string", "", "its bits", [](const W& w) { return float_bits(w.place); }},
-         {"worst_t_hex", "string", "t", "the form's answer there", [](const W& w) { return file::hex(w.answer.t); }},
+         {"worst_at", "number", unit, "the worst float", [](const W& w) { return float_at(w.place); }},
+         {"worst_hex", "string", unit, "the worst float, exactly", [](const W& w) { return hex_cell(w.place); }},
+         {"worst_bits", "string", "", "bits of the worst float", [](const W& w) { return float_bits(w.place); }},
+         {"worst_t_hex", "string", "t", "the form's answer at the worst float",
+          [](const W& w) { return file::hex(w.answer.t); }},
          {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
           [](const W& w) { return file::hex(w.answer.truth); }}},
         &FloatsRow::worst);
-    return table.add({"worst_explain", "string", "", "the command that explains it",
+    return table.add({"worst_explain", "string", "", "the command that explains the worst float",
                       [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->place) : ""; }});
 }
 
@@ -140,24 +144,25 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
         table.add<Wrong>(
             {{w + "_wrong_hex", "string", unit, "the " + w + " float with a wrong decision, exactly",
               [](const Wrong& x) { return hex_cell(x.place); }},
-             {w + "_wrong_bits", "string", "", "its bits", [](const Wrong& x) { return float_bits(x.place); }},
-             {w + "_wrong_outcome", "string", "", "what became of it",
+             {w + "_wrong_bits", "string", "", "bits of that float",
+              [](const Wrong& x) { return float_bits(x.place); }},
+             {w + "_wrong_outcome", "string", "", "outcome of that float",
               [](const Wrong& x) { return outcome_name(x.outcome); }}},
             [wrong](const R& r) -> const auto& { return r.tally.*wrong; });
     };
     add("first", &FloatTally::first_wrong);
     add("last", &FloatTally::last_wrong);
     return table.add(
-        {{"fault_explain", "string", "", "the command that explains the first",
+        {{"fault_explain", "string", "", "the command that explains the first float with a wrong decision",
           [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->place) : ""; }},
          {"padding_max", "number", "u",
-          "of a form that asks a box: the padding of tmax that no hit it misses would need more of, which is the "
-          "metric padding; 0 where it misses none whose slabs come apart",
+          "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
+          "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
               const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
               return when(padding >= 0, padding);
           }},
-         {"padding_hex", "string", unit, "the float that needs it, exactly",
+         {"padding_hex", "string", unit, "the float that needs this padding, exactly",
           [](const R& r) { return r.tally.padding ? hex_cell(r.tally.padding->place) : Cell(); }}});
 }
 
@@ -165,7 +170,7 @@ Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
     const std::string& unit = request.sweep.axis.unit;
     return subject_columns()
         .add({"binade", "string", "",
-              "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart",
+              "sign and power of two of its floats; zeros, subnormals, infinities and NaNs have rows of their own",
               &FloatsRow::binade})
         .add(end_columns(unit))
         .add(outcome_columns(request))
@@ -179,11 +184,11 @@ Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
         .add(end_columns(unit))
         .add(outcome_columns(request))
         .add({"right_up_to_hex", "string", unit,
-              "the last float before the first wrong decision; missing where none is wrong, or the first is",
+              "the last float before the first wrong decision; missing if no decision is wrong, or the first one is",
               &FloatsRow::right_up_to})
         .add(wrong_columns(unit))
         .add(worst_columns(unit))
-        .add({"statement", "string", "", "the same in words", &FloatsRow::statement});
+        .add({"statement", "string", "", "the row in words", &FloatsRow::statement});
 }
 
 Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
@@ -192,27 +197,30 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     const auto value = [](std::uint32_t place) { return float_at(place); };
     Table<R> table;
     table.add(subject_columns().add(end_columns(unit)), &R::of);
-    table.add({{"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs",
+    table.add({{"event", "string", "", "the event: lost_bits reach the threshold, or an outcome occurs",
                 [](const R& r) {
                     return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
                 }},
-               {"threshold", "number", "bits", "of the lost bits; 1 for an outcome",
+               {"threshold", "number", "bits", "threshold of the lost bits; 1 for an outcome",
                 [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
-               {"found", "boolean", "", "whether it happens at any of the floats",
+               {"found", "boolean", "", "true if the event happens at any of the floats",
                 [](const R& r) { return r.bad.has_value(); }}});
     using P = std::uint32_t;
     table.add<P>(
-        {{"last_good", "number", unit, "the float before it; missing where the first float is bad already", value}},
+        {{"last_good", "number", unit, "the float before the event; missing if the first float is bad already", value}},
         &R::good);
-    table.add<P>({{"first_bad", "number", unit, "the first float at which it happens: its neighbour", value}}, &R::bad);
-    table.add<P>({{"last_good_hex", "string", unit, "the same, exactly", hex_cell}}, &R::good);
-    table.add<P>({{"first_bad_hex", "string", unit, "the same, exactly", hex_cell},
-                  {"first_bad_bits", "string", "", "its bits", float_bits}},
+    table.add<P>(
+        {{"first_bad", "number", unit, "the first float at which it happens, the neighbour of last_good", value}},
+        &R::bad);
+    table.add<P>({{"last_good_hex", "string", unit, "last_good, exactly", hex_cell}}, &R::good);
+    table.add<P>({{"first_bad_hex", "string", unit, "first_bad, exactly", hex_cell},
+                  {"first_bad_bits", "string", "", "bits of first_bad", float_bits}},
                  &R::bad);
-    table.add({"ulp_error", "number", "ulp", "(t − t*)/ulp(t*) there; missing for an outcome", [](const R& r) -> Cell {
-                   if (!r.bad || !r.is_of_bits()) return {};
-                   return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
-               }});
+    table.add(
+        {"ulp_error", "number", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome", [](const R& r) -> Cell {
+             if (!r.bad || !r.is_of_bits()) return {};
+             return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
+         }});
     table.add(Table<FloatsRow>{count_column()}, &R::of);
     return table.add({"explain", "string", "", "the command that explains the first bad float",
                       [](const R& r) { return r.bad ? r.of.explain(*r.bad) : ""; }});
@@ -245,7 +253,7 @@ std::string kinds_text(const FloatTally& tally) {
     return fmt::format(" ({})", fmt::join(kinds, ", "));
 }
 
-/// `0x1.8p+1 (3)`; of a NaN its bits: `nan (0x7fc00000)`.
+/// `0x1.8p+1 (3)`; a NaN with its bits: `nan (0x7fc00000)`.
 std::string float_text(std::uint32_t place) {
     const float x = float_at(place);
     if (std::isnan(x)) return fmt::format("nan ({})", float_bits(place));
@@ -262,26 +270,25 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
         fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
                     float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
     if (const auto judged = request.rows[f.row].judged)
-        text += fmt::format(", judged by the {} solid,", intersect::convention_name(judged));
+        text += fmt::format(", judged by the {} primitive,", intersect::convention_name(judged));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
     if (!tally.first_wrong) {
         text += tally.count(Outcome::unresolved) == 0
-                    ? " decides rightly for every one of them"
-                    : fmt::format(" decides rightly for every one but {} whose truth is not proved",
+                    ? " decides correctly for every one of them"
+                    : fmt::format(" decides correctly for all but {} whose truth is not proved",
                                   tally.count(Outcome::unresolved));
         return text;
     }
     const auto& wrong = *tally.first_wrong;
     const auto good = f.before(wrong.place);
-    text += good ? fmt::format(" decides rightly for every float {} {}, and first fails at {}: {}",
+    text += good ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure(wrong.outcome))
-                 : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
-    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}",
-                        scene::toml::counted(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
-                        float_text(tally.last_wrong->place));
+                 : fmt::format(" already fails at the first of them: {}", failure(wrong.outcome));
+    text += fmt::format("; it is wrong for {} in all{}, the last at {}", scene::toml::counted(tally.wrong(), "float"),
+                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
     if (tally.padding)
-        text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
+        text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;
 }
 

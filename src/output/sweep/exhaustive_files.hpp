@@ -1,4 +1,4 @@
-// The files of an exhaustive sweep: binades.csv, onsets.csv, statements.csv, pictures and datapackage.json.
+// Files of an exhaustive sweep: binades.csv, onsets.csv, statements.csv, pictures and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -31,21 +31,21 @@ private:
     table::TableFile<FloatEventRow> onsets_;
 };
 
-/// One float of a whole binade: the least share of it but 0, which has a place of its own.
+/// Least share of a binade above 0: one float of a whole binade. A share of 0 is drawn below it.
 inline constexpr double least_share = 0x1p-23;
 
 struct ExhaustivePlots {
-    plot::LinePlotSpec lost_bits;  ///< of the worst float of each binade
+    plot::LinePlotSpec lost_bits;  ///< lost bits of the worst float of each binade
     plot::LinePlotSpec wrong;      ///< the share of a binade's tried floats with a wrong decision
 };
-/// A line a form, ray and sign, level from the smallest float of a binade that was tried to the largest. Zeros,
-/// infinities and NaNs have no place on it and are in the tables alone. Nothing where all the others are of one binade
-/// of either sign.
+/// Plots with a line for each form, ray and sign, which is level from the smallest float of a binade that was tried to
+/// the largest. Zeros, infinities and NaNs are not on the axis; the tables have them. Nothing if the other floats are
+/// of one binade of either sign.
 std::optional<ExhaustivePlots> exhaustive_plots(const measure::sweep::ExhaustiveRequest& request,
                                                 const measure::sweep::ExhaustiveState& state);
 
-/// `all 8388608 floats between 0x1p+0 (1) and … were tried: sphere.schoolbook decides rightly for every float up to …,
-/// and first fails at …: a false miss`. The number is what was counted.
+/// `all 8388608 floats between 0x1p+0 (1) and … were tried: sphere.schoolbook decides correctly for every float up to
+/// …, and first fails at …: a false miss`. The number of floats was counted.
 [[nodiscard]] std::string statement(const measure::sweep::ExhaustiveRequest& request,
                                     const measure::sweep::RangeFinding& finding);
 

@@ -22,16 +22,16 @@ using measure::sweep::FloatTally;
 
 namespace {
 
-/// A value of each binade; NaN where it has none.
+/// Value of a binade for the plot; NaN if it has none.
 using OfTally = std::function<double(const FloatTally&)>;
 
-/// Zeros, infinities and NaNs have no place on an axis of sizes.
+/// Zeros, infinities and NaNs are not on an axis of sizes.
 bool has_place(const BinadePart& part) {
     using K = scene::sweep::Binade::Kind;
     return part.binade.kind == K::normal || part.binade.kind == K::subnormal;
 }
 
-/// The sizes of the smallest and the largest float of a binade that were tried.
+/// Sizes of the smallest and the largest float of a binade that were tried.
 struct Sizes {
     double low, high;
 };
@@ -41,13 +41,13 @@ Sizes sizes_of(const BinadePart& part) {
     return {low, high};
 }
 
-/// One sign of the axis for one form and ray.
+/// One sign of the axis, for one form and ray.
 struct Half {
     std::size_t row, ray;
     bool negative;
 };
 
-/// The binades that are drawn, and what they are called.
+/// The binades that are drawn, and their labels.
 class Drawn {
 public:
     Drawn(const ExhaustiveRequest& request, const ExhaustiveState& state)
@@ -65,7 +65,7 @@ public:
 
     [[nodiscard]] bool worthwhile() const { return std::max(below_, above_) >= 2; }
 
-    /// A level stretch a binade, by rising size.
+    /// A line that is level in each binade, by rising size.
     [[nodiscard]] plot::Series series(const Half& half, const OfTally& value) const {
         plot::Series series{.label = label(half), .x = {}, .y = {}, .low = {}, .high = {}};
         series.look = plot::form_look(*request_.rows[half.row].form);
@@ -91,10 +91,10 @@ public:
     }
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
-        std::vector<std::string> lines{request_.sweep.title, "every float of each binade was tried"};
+        std::vector<std::string> lines{request_.sweep.title, "every float in each binade was tried"};
         if (const auto judged = request_.sweep.convention)
-            lines.front() += fmt::format(", judged by the {} solid", intersect::convention_name(judged));
-        if (lacks_) lines.back() += "; zeros, infinities and NaN are in the tables alone";
+            lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(judged));
+        if (lacks_) lines.back() += "; zeros, infinities and NaNs are only in the tables";
         return lines;
     }
 
@@ -123,8 +123,8 @@ private:
     const ExhaustiveRequest& request_;
     const ExhaustiveState& state_;
     std::vector<BinadePart> parts_;
-    int below_ = 0, above_ = 0;  ///< how many binades of each sign are drawn
-    bool lacks_ = false;         ///< whether some floats have no place
+    int below_ = 0, above_ = 0;  ///< number of binades of each sign that are drawn
+    bool lacks_ = false;         ///< some floats are not on the axis
     Sizes sizes_{std::numeric_limits<double>::infinity(), 0};
 };
 
@@ -142,9 +142,9 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = drawn.subtitle(),
                              .x = drawn.axis(),
-                             .y = {"share of the binade's tried floats", S::log2, least_share, 1.0, true},
+                             .y = {"share of the tried floats in the binade", S::log2, least_share, 1.0, true},
                              .series = {}};
-    wrong.subtitle.emplace_back("a line at 0, below the log scale: no such float in that binade");
+    wrong.subtitle.emplace_back("a line at 0, below the log scale, means no such float in that binade");
     for (const Half& half : drawn.halves()) {
         lost.series.push_back(drawn.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;

@@ -30,15 +30,15 @@ Table<AtStep<Known>> along_axes(const SweepRequest& request, const Table<Known>&
 }
 
 constexpr const char* views_meaning =
-    "sets of rays with a solid and a direction of their own: the independent samples of what those share";
+    "sets of rays that each have a primitive and a direction of their own, and so are independent samples";
 
 }  // namespace
 
 Table<SampleRow> sample_table(const SweepRequest& request) {
     auto summary = map::summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
-    // A sweep's rays have no picture: the place of the worst is its number in its set.
+    // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
-    summary.set_meaning("worst_y", "row of a scene's picture, 0 for a family");
+    summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
     summary.add({"views", "integer", "", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
     return along_axes(request, summary);
 }
@@ -71,49 +71,54 @@ Table<Onset> onset_table(const SweepRequest& request) {
         table::subject_columns(), [&request](const R& r) -> const auto& { return request.rows[r.row]; });
     return table.add(
         {{"event", "string", "",
-          "what is first seen to happen: lost_bits, or what a step of a space loses, reach the threshold, or an "
+          "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an "
           "outcome "
           "occurs",
           &R::event},
-         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome", &R::statistic},
-         {"threshold", "number", "bits", "of the statistic; of a step of a space in ulps; 1 for a count",
+         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count for an outcome", &R::statistic},
+         {"threshold", "number", "bits", "threshold of the statistic; in ulps for a step of a transform; 1 for a count",
           &R::threshold},
          {"read_from", "string", "",
-          "first: the steps in their order; last: from the last one backwards, so that `first` and `last` below are "
+          "first: steps are read in their order; last: from the last step backwards, so that `first` and `last` below "
+          "are "
           "the "
           "other way round",
           [](const R& r) { return r.from_last ? "last" : "first"; }},
-         {"found", "boolean", "", "whether it happens within the sweep", &R::found},
+         {"found", "boolean", "", "true if the event happens within the sweep", &R::found},
          {"last_good_" + axis.name, "number", axis.unit,
-          "last value before it, in the order of reading; missing where the step it is read from is bad already",
+          "last value before the event, in reading order; missing if the step where reading starts is bad already",
           last_good},
          {"first_bad_" + axis.name, "number", axis.unit,
-          "first value at which it is seen to happen: of the steps, narrowed by bisection between two; it may happen "
+          "first value at which it is seen: one of the steps, narrowed by bisection between two; it may happen "
           "earlier "
-          "where nothing was sampled",
+          "between samples",
           first_bad},
-         {"last_good_hex", "string", axis.unit, "the same, exactly", table::exactly<R>(last_good)},
-         {"first_bad_hex", "string", axis.unit, "the same, exactly", table::exactly<R>(first_bad)},
-         {"value_at_first_bad", "number", "", "the statistic there",
+         {"last_good_hex", "string", axis.unit, "the last good value, exactly", table::exactly<R>(last_good)},
+         {"first_bad_hex", "string", axis.unit, "the first bad value, exactly", table::exactly<R>(first_bad)},
+         {"value_at_first_bad", "number", "", "the statistic at the first bad value",
           [](const R& r) { return when(r.found, r.value_at_first_bad); }},
-         {"recovers", "boolean", "", "whether a step after the first bad one is good again", &R::recovers},
+         {"recovers", "boolean", "", "true if a step after the first bad one is good again", &R::recovers},
          {"last_good_after_" + axis.name, "number", axis.unit,
-          "the last value after the first bad one that is good; missing where none is", last_good_after},
+          "the last good value after the first bad one; missing if there is none", last_good_after},
          {"bad_again_" + axis.name, "number", axis.unit,
-          "from where on it is bad to the end, narrowed by bisection; missing where the last step is good", bad_again},
-         {"last_good_after_hex", "string", axis.unit, "the same, exactly", table::exactly<R>(last_good_after)},
-         {"bad_again_hex", "string", axis.unit, "the same, exactly", table::exactly<R>(bad_again)},
-         {"rays", "integer", "", "rays of each step: the first of more rays to fail does so earlier", &R::rays},
+          "value from which it is bad to the end, narrowed by bisection; missing if the last step is good", bad_again},
+         {"last_good_after_hex", "string", axis.unit, "that last good value, exactly",
+          table::exactly<R>(last_good_after)},
+         {"bad_again_hex", "string", axis.unit, "that value, exactly", table::exactly<R>(bad_again)},
+         {"rays", "integer", "", "number of rays in each step; with more rays the first failure comes earlier",
+          &R::rays},
          {"views", "integer", "", views_meaning, &R::views},
-         {"draws", "integer", "", "sets of rays tried, one a seed; the columns above are of the file's own seed",
+         {"draws", "integer", "", "sets of rays tried, one per seed; the columns above are for the file's own seed",
           [](const R& r) { return 1 + r.further.size(); }},
-         {"draws_found", "integer", "", "draws in which it happens within the sweep; the columns below are of those",
+         {"draws_found", "integer", "",
+          "draws in which the event happens within the sweep; the columns below are over those",
           [](const R& r) { return r.spread().draws; }},
          {"first_bad_low", "number", axis.unit, "smallest first bad value of these draws",
           of_draws(&measure::metric::Spread::low)},
-         {"first_bad_median", "number", axis.unit, "the middle one, the lower of two",
+         {"first_bad_median", "number", axis.unit, "median first bad value of these draws, the lower of two",
           of_draws(&measure::metric::Spread::median)},
-         {"first_bad_high", "number", axis.unit, "the largest", of_draws(&measure::metric::Spread::high)}});
+         {"first_bad_high", "number", axis.unit, "largest first bad value of these draws",
+          of_draws(&measure::metric::Spread::high)}});
 }
 
 void SweepFiles::require_own_columns(const SweepRequest& request) {
@@ -126,8 +131,8 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
             const auto at = std::ranges::find_if(
                 axes, [&column](const auto& axis) { return column.name.find(axis.name) != std::string::npos; });
             if (at == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
-            scene::toml::fail(at->where, fmt::format("an axis that is named \"{}\" gives the results two columns that "
-                                                     "are named \"{}\"; choose another name",
+            scene::toml::fail(at->where, fmt::format("an axis named \"{}\" would give the results two columns "
+                                                     "named \"{}\"; choose another name",
                                                      at->name, column.name));
         }
     }
@@ -137,7 +142,7 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
     : request_(request),
       folder_(folder),
       samples_(folder, "samples.csv", "One row per form, format and step", sample_table(request)) {
-    // An onset is a place on one axis.
+    // An onset is a position on one axis.
     if (request.sweep.axes.size() == 1)
         onsets_.emplace(folder, "onsets.csv", "One row per form, format, event, threshold and end of the axis",
                         onset_table(request));

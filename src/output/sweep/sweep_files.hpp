@@ -1,5 +1,4 @@
-// The files of a sweep: samples.csv, onsets.csv (of a sweep with one axis), culprits.csv (where asked for) and
-// datapackage.json.
+// Files of a sweep: samples.csv, onsets.csv (for one axis), culprits.csv (if asked for) and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +9,7 @@
 
 namespace lostbits::output::sweep {
 
-/// What is known of a row, or of one of its culprits, at a step.
+/// Results of a row, or of one of its culprits, at a step.
 template <class Known>
 struct AtStep {
     const measure::sweep::SweepStep* step;
@@ -18,7 +17,7 @@ struct AtStep {
 };
 using SampleRow = AtStep<map::SummaryRow>;
 
-/// samples.csv and onsets.csv.
+/// Columns and rows of samples.csv, and columns of onsets.csv.
 table::Table<SampleRow> sample_table(const measure::sweep::SweepRequest& request);
 std::vector<SampleRow> sample_rows(const measure::sweep::SweepRequest& request,
                                    const std::vector<measure::sweep::SweepStep>& steps);
@@ -28,7 +27,7 @@ table::Table<measure::sweep::Onset> onset_table(const measure::sweep::SweepReque
 class SweepFiles {
 public:
     SweepFiles(const measure::sweep::SweepRequest& request, const std::filesystem::path& folder);
-    /// InputError where the name of an axis is that of another column: to be asked before the work.
+    /// Throws InputError if an axis has the name of another column. Call it before the work.
     static void require_own_columns(const measure::sweep::SweepRequest& request);
     void finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<measure::sweep::Onset>& onsets);
 
@@ -36,7 +35,7 @@ private:
     const measure::sweep::SweepRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<SampleRow> samples_;
-    std::optional<table::TableFile<measure::sweep::Onset>> onsets_;  ///< of a sweep with one axis
+    std::optional<table::TableFile<measure::sweep::Onset>> onsets_;  ///< for a sweep with one axis
     std::optional<table::TableFile<AtStep<map::Culprit>>> culprits_;
 };
 

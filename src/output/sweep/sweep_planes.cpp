@@ -97,11 +97,11 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
 
 namespace {
 
-/// What a plane shows of a row.
+/// The picture of a row on a plane.
 struct DrawnPlane {
-    std::vector<plot::PlaneCell> cells = {};  ///< as `PlanePlotSpec` has them
-    std::vector<bool> is_explained = {};      ///< of each: see `map::inside_envelope`
-    FormSummary wrong = {};                   ///< cells that have an outcome's colour, among all
+    std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
+    std::vector<bool> is_explained = {};      ///< for each cell, see `map::inside_envelope`
+    FormSummary wrong = {};                   ///< counts of cells with an outcome's colour
     bool any_outlined = false, any_few = false;
 };
 
@@ -134,9 +134,10 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
     return drawn;
 }
 
-constexpr image::Rgb8 no_value = image::outcome_colours[0];  // as a correct hit without a value on other sheets
+constexpr image::Rgb8 no_value =
+    image::outcome_colours[0];  // the colour of a correct hit without a value on other sheets
 
-/// The cells from the top, as a sheet shows them: it has no room for outlines.
+/// Colours of the cells from the top, for a sheet, which has no space for outlines.
 std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
                                     const FloatFormat& format) {
     std::vector<image::Rgb8> colours;
@@ -152,7 +153,7 @@ std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, 
     return colours;
 }
 
-/// `p99 3.2 to 11.7 bits`, and how many steps have no p99.
+/// `p99 3.2 to 11.7 bits`, and the number of steps that are mostly wrong.
 std::string note_of(const DrawnPlane& drawn) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const plot::PlaneCell& cell : drawn.cells) {
@@ -217,8 +218,8 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
         path,
         {.title = request.sweep.title,
          .subtitle = {fmt::format("to the right: {}; upwards: {}", along(axes[0], plane.x), along(axes[1], plane.y)),
-                      "colour: what 99 of 100 agreed hits lose at most; where most rays are decided wrongly, what "
-                      "most of them are"},
+                      "colour: the most that 99 of 100 agreed hits lose; or, if most rays are wrong, the "
+                      "most frequent wrong outcome"},
          .forms = grid.forms,
          .formats = grid.formats,
          .field_width = static_cast<int>(plane.x.size()),

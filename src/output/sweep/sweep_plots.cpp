@@ -37,7 +37,7 @@ namespace {
 
 using scene::sweep::Axis;
 
-/// One value of a row along the sweep, in rising order of the parameter.
+/// One value of a row along the sweep, by rising parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label, {}, {}, {}, {}};
@@ -57,15 +57,15 @@ struct Quantity {
     plot::AxisSpec axis;
     std::function<double(const FormSummary&)> value;
     std::function<double(const FormSummary&)> envelope = {};  ///< empty: none
-    bool over_hits = false;  ///< a quantile over agreed hits: withheld where they are few
-    std::string note = {};   ///< ends the subtitle
+    bool over_hits = false;                                   ///< a quantile over agreed hits, withheld if they are few
+    std::string note = {};                                    ///< ends the subtitle
     bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
-    std::string nothing = {};  ///< why there is nothing to draw; empty: there is
+    std::string nothing = {};  ///< reason why there is nothing to draw; empty: there is
 };
 
 bool marches(const TestedForm& row) { return !is_solid(row.form->shape); }
 
-/// How many rays a step has, and how many of them are independent.
+/// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& any = sweep.steps.front().rows.front();
     if (!sweep.request.sweep.is_drawn()) return scene::toml::counted(any.rays, "ray") + " per step";
@@ -73,7 +73,7 @@ std::string rays_text(const MeasuredSweep& sweep) {
     return fmt::format("{} rays per step, of {}", any.rays, scene::toml::counted(any.views, "independent view"));
 }
 
-/// What every plot along a sweep has: the sweep's own words and axis, and how many rays a step has.
+/// Plot with the parts common to all plots along a sweep: its title, its axis, and the number of rays per step.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = sweep.request.sweep;
     return {.title = title,
@@ -94,8 +94,8 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.rows[r].form);
-        // The envelope is the problem's, not a form's: any row that sees hits all along gives it, if its line is there
-        // to be held against it. A form that tells no t has an envelope and no line.
+        // The envelope belongs to the problem and not to a form, so any row with hits all along gives it, if its line
+        // is drawn to compare it with. A form without t has an envelope but no line.
         const auto& line = spec.series.back().y;
         if (quantity.envelope && !spec.envelope && std::ranges::any_of(line, [](double y) { return !std::isnan(y); })) {
             Series envelope = series_of(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
@@ -153,7 +153,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     for (const SweepStep& step : sweep.steps) {
         for (const FormSummary& s : step.rows) most = std::max(most, s.rays);
     }
-    // Nothing but 0 is less than one ray of a step.
+    // Only 0 is less than one ray of a step.
     Quantity quantity{wrong_title(outcome),
                       {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
                       share};
@@ -161,8 +161,8 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     const bool possible = outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
                               return std::ranges::any_of(step.rows, truly_misses);
                           });
-    if (possible) quantity.note = "a line at 0, below the log scale: no such ray in that step";
-    else quantity.nothing = "no ray of this sweep truly misses, so that none can be a false hit";
+    if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
+    else quantity.nothing = "no ray of this sweep truly misses, so none can be a false hit";
     write_lines(path, sweep, format, quantity, size);
 }
 
@@ -185,7 +185,7 @@ std::string wrong_title(Outcome outcome) {
     switch (outcome) {
         case Outcome::false_hit: return "False hits";
         case Outcome::false_miss: return "False misses";
-        case Outcome::wrong_object: return "Hits of the wrong solid";
+        case Outcome::wrong_object: return "Hits of the wrong primitive";
         case Outcome::crack: return "Cracks";
         case Outcome::double_hit: return "Double hits";
         case Outcome::out_of_order: return "Triangles out of order";
@@ -195,10 +195,10 @@ std::string wrong_title(Outcome outcome) {
 
 namespace {
 
-/// Metrics that are drawn in one plot, each with what its line is called.
+/// Metrics of one plot, each with the label of its line.
 using Parts = std::vector<std::pair<std::string, std::string>>;
 
-/// Medians of parts of one row's error, side by side, and where each step of a space is first seen to lose an ulp.
+/// Plots medians of the parts of one row's error side by side, and where each step of a transform first loses an ulp.
 void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r,
                       const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
@@ -220,7 +220,7 @@ void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     plot::write_line_plot(path, spec);
 }
 
-/// The steps of a space that were measured.
+/// The measured steps of a transform.
 Parts steps_of(const SweepRequest& request) {
     Parts steps;
     for (const auto* metric : request.metrics)
@@ -229,7 +229,7 @@ Parts steps_of(const SweepRequest& request) {
     return steps;
 }
 
-/// What a sweep over forms that march shows beside its errors; nothing where none does.
+/// Plots that a sweep has in addition if forms march; none otherwise.
 void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, const Format& format) {
     const SweepRequest& request = sweep.request;
     const std::size_t stop = measure::metric::place_of(request.metrics, "stop"),
@@ -255,12 +255,12 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
         if (row.format == format && marches(row))
             write_parts_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r,
                              "Model and rounding error",
-                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "all error"}});
+                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}});
     }
 }
 
-/// Which operation is to blame along the axis, of one row: the shares of those that are to blame most anywhere, and of
-/// the others together.
+/// Plots the culprits of one row along the axis: the shares of the operations that are blamed most anywhere, and of all
+/// others together.
 void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t most = 7;

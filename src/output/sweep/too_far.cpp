@@ -11,7 +11,7 @@ namespace lostbits::output::sweep {
 namespace {
 
 constexpr double bracket = 0x1p-9;
-constexpr int most_steps = 60;  // of a bisection: more than any axis has octaves, and nine bits more
+constexpr int most_steps = 60;  // steps of a bisection: more than any axis has octaves, and nine bits
 
 bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
     const auto groups = sweep.rays({value});
@@ -20,7 +20,7 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
     if (!row_of(solid.shape).round) return false;
     const auto [centre, radius] = ball_around(solid);
     const Vec<double> to = centre - groups.front().rays[0].origin;
-    // Of an eye inside of the sphere, too, the nearest point is |distance of the centre − r| away.
+    // The nearest point is |distance to the centre − r| away, also for an eye inside the sphere.
     const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);
     if (!(distance > 0) || !std::isfinite(distance)) return false;
     return std::ldexp(1, static_cast<int>(ulp_exponent(format, std::ilogb(distance)))) >= 2 * radius;
@@ -54,7 +54,7 @@ std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const Floa
 
 void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
     if (const auto part = too_far(sweep.request.sweep, format.parameters)) {
-        // In place: of a moved temporary gcc 12 warns without cause.
+        // In place, because gcc 12 warns without cause about a moved temporary.
         plot::PlotShade& shade = spec.shades.emplace_back();
         shade.from = part->from;
         shade.to = part->to;
@@ -68,7 +68,7 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
         return false;
     };
     if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
-        spec.notes.push_back("A gap in a line: " + gap_means() + ".");
+        spec.notes.push_back("A gap in a line means " + gap_means() + ".");
 }
 
 }  // namespace lostbits::output::sweep

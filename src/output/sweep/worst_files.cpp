@@ -47,7 +47,7 @@ std::string head_of_cases(const std::string& title, const std::string& source) {
 }
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
-    std::vector<std::pair<Shape, std::string>> lists;  // a shape where its first solid stands
+    std::vector<std::pair<Shape, std::string>> lists;  // a shape stands where its first primitive stands
     for (const Solid<double>& solid : one.solids) {
         auto list = std::ranges::find(lists, solid.shape, &std::pair<Shape, std::string>::first);
         if (list == lists.end()) list = lists.insert(list, {solid.shape, ""});
@@ -88,15 +88,16 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add({"found", "boolean", "", "whether the form hit anything within the ranges",
+    table.add({"found", "boolean", "", "true if the form hit anything within the ranges",
                [](const R& r) { return r.worst.has_value(); }});
     table::Table<W> of_worst{
-        {"outcome", "string", "", "class of the worst ray",
+        {"outcome", "string", "", "outcome of the worst ray",
          [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
         {std::string(metric.name), "number", std::string(metric.unit),
-         "of the worst ray; missing where the decision is wrong",
+         "value for the worst ray; missing if its decision is wrong",
          [](const W& w) { return table::when(w.outcome == Outcome::agree_hit, w.value); }},
-        {"distance_radii", "number", "r", "from the ray's origin to the centre of the sphere; missing for other solids",
+        {"distance_radii", "number", "r",
+         "distance from the ray's origin to the centre of the sphere; missing for other primitives",
          [](const W& w) { return number_or_missing(w.distance); }},
         {"evaluations", "integer", "", "rays tried", &W::evaluations}};
     of_worst.add_exact({"t", "number", "t", "the form's answer, in its own unit",
@@ -105,14 +106,14 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
                         "t*, correctly rounded to binary64, in the same unit; missing for a miss",
                         [](const W& w) { return number_or_missing(w.truth); }});
     of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
-    of_worst.add(table::solid_columns(request.search.shape, "of its solid"), &W::solid);
+    of_worst.add(table::solid_columns(request.search.shape, "of its primitive"), &W::solid);
     table.add(of_worst, worst);
-    return table.add(
-        {"explain", "string", "", "the command that explains the worst ray: these numbers again", [](const R& r) {
-             if (!r.worst) return std::string();
-             const scene::rays::RayGroup one = alone(*r.worst);
-             return blame::explain_command(blame::name_of_ray(&one), r.row);
-         }});
+    return table.add({"explain", "string", "", "the command that explains the worst ray and prints these numbers again",
+                      [](const R& r) {
+                          if (!r.worst) return std::string();
+                          const scene::rays::RayGroup one = alone(*r.worst);
+                          return blame::explain_command(blame::name_of_ray(&one), r.row);
+                      }});
 }
 
 std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstFound& w) {
@@ -167,25 +168,26 @@ table::Table<NearestRow> nearest_table() {
     const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add({{"outcome", "string", "", "what was searched for: crack or double_hit", &R::outcome},
-               {"found", "boolean", "", "whether a ray with that outcome was found",
+    table.add({{"outcome", "string", "", "the outcome that was searched for: crack or double_hit", &R::outcome},
+               {"found", "boolean", "", "true if a ray with that outcome was found",
                 [](const R& r) { return r.nearest.has_value(); }}});
-    table.add<N>({{"distance_edges", "number", "1",
-                   "of the nearest one: from the eye to the point of the edge that it is aimed at, in lengths of the "
-                   "edge",
-                   &N::distance}},
-                 nearest);
+    table.add<N>(
+        {{"distance_edges", "number", "1",
+          "distance of the nearest such ray, from the eye to the point of the edge that it aims at, in lengths of the "
+          "edge",
+          &N::distance}},
+        nearest);
     table.add({"rays", "integer", "", "rays tried", &R::rays});
-    table.add<N>({{"face_a", "integer", "", "the place of the one triangle of the edge among the solids of the scene",
+    table.add<N>({{"face_a", "integer", "", "index of one triangle of the edge among the primitives of the scene",
                    [](const N& n) { return n.faces[0]; }},
-                  {"face_b", "integer", "", "the place of the other", [](const N& n) { return n.faces[1]; }},
-                  {"t", "number", "t", "the form's answer, in its own unit; missing where it misses",
+                  {"face_b", "integer", "", "index of the other triangle", [](const N& n) { return n.faces[1]; }},
+                  {"t", "number", "t", "the form's answer, in its own unit; missing if it misses",
                    [](const N& n) { return number_or_missing(n.t); }},
                   {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
                  nearest);
     table.add(table::ray_columns("of the nearest ray"),
               [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });
-    return table.add({"explain", "string", "", "the command that explains it", &R::explain});
+    return table.add({"explain", "string", "", "the command that explains that ray", &R::explain});
 }
 
 }  // namespace

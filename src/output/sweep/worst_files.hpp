@@ -1,4 +1,4 @@
-// The files of searches: worst.csv with commands that explain its rays, and rays as cases that can be run again.
+// Files of searches: worst.csv with commands that explain its rays, and the rays as cases that can be run again.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,26 @@
 
 namespace lostbits::output::sweep {
 
-/// What stands in front of the first case of a file of cases.
+/// Text before the first case of a file of cases.
 std::string head_of_cases(const std::string& title, const std::string& source);
 
-/// A `[[case]]`: the first ray of a group, with its end where it has one, and all solids of the group; every number in
+/// A `[[case]]` with the first ray of a group, its end if it has one, and all primitives of the group. Every number is
 /// hexadecimal.
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one);
 
-/// worst.csv, and hard.toml, a sweep of cases, one per row.
+/// Writes worst.csv, and hard.toml, a sweep of cases with one case per row.
 void write_worst(const std::filesystem::path& folder, const measure::sweep::WorstRequest& request,
                  const std::vector<std::optional<measure::sweep::WorstFound>>& found);
 
-/// A search along the edges of a mesh.
+/// Results of a search along the edges of a mesh.
 struct NearestFiles {
     const measure::edges::EdgeRequest& request;
-    const std::vector<measure::edges::EdgeFinding>& found;  ///< one a row
-    std::string scene;                                      ///< as a command line names it
+    const std::vector<measure::edges::EdgeFinding>& found;  ///< one per row
+    std::string scene;                                      ///< name for a command line
 
-    /// worst.csv: a row for each form, format and outcome.
+    /// Writes worst.csv with a row for each form, format and outcome.
     void write(const std::filesystem::path& folder) const;
-    /// What was found of row r: `triangle.woop in f32: crack 492544 edge lengths away, …`.
+    /// Findings of row r in words: `triangle.woop in f32: crack 492544 edge lengths away, …`.
     [[nodiscard]] std::string sentence(std::size_t r) const;
 };
 

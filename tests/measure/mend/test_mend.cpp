@@ -138,7 +138,7 @@ TEST_CASE("a form that is enough has nothing to be wider, and one that double do
     const Mended none = mend(hard);
     CHECK_FALSE(none.set);
     CHECK(output::mend::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_worth = {}})
-              .find("does not meet the wish") != std::string::npos);
+              .find("does not meet the requirement") != std::string::npos);
 }
 
 TEST_CASE("two floats do what double does here", "[mend]") {

@@ -320,7 +320,7 @@ TEST_CASE("PNG pixels and other bytes", "[difference]") {
     const output::diff::Comparison bytes = compare_bytes("a\nbc", "a\nbx!");
     REQUIRE(bytes.count == 1);
     CHECK(bytes.differences[0].line == 2);
-    CHECK(bytes.differences[0].what == "bytes differ from byte 3 on; 4 != 5 bytes in all");
+    CHECK(bytes.differences[0].what == "bytes differ from byte 3 on; 4 != 5 bytes in total");
     CHECK(compare_bytes("abc", "ab").count == 1);
     CHECK(compare_bytes("", "a").count == 1);
 }

@@ -103,7 +103,7 @@ TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric
                                  {Outcome::false_miss, 50},
                                  {Outcome::false_hit, 20},
                                  {Outcome::wrong_object, 730}})) ==
-          "73% wrong solid, 5.0% false miss, 2.0% false hit\np99 18.0 of 24 lost, 6.0 kept\nof 200 agreed hits");
+          "73% wrong primitive, 5.0% false miss, 2.0% other\np99 18.0 of 24 lost, 6.0 kept\nof 200 agreed hits");
     CHECK(glance(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 895}, {Outcome::agree_miss, 100}})) ==
           "90% false miss\nno p99: 5 of 900 hits agree");
     CHECK(glance(summary_of(0, {{Outcome::false_miss, 900}, {Outcome::agree_miss, 100}})) ==
@@ -127,7 +127,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     FormSummary s({&apart});
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
-    CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both hit");
+    CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both forms hit");
     const auto legend = legend_of(
         paint, {{Outcome::agree_hit, 0, 200}, {Outcome::agree_hit, 3, 100}, {Outcome::agree_miss, none, 700}});
     REQUIRE(legend.size() == 1);
@@ -136,7 +136,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, none));
     CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
     CHECK(paint.look(false).widest_legend(1000).size() == 1);
-    CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both hit");
+    CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both forms hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
 }
 

@@ -40,11 +40,11 @@ TEST_CASE("a claim on the page says what its verdict rests on") {
     CHECK(says(row_of(Evidence::proof, holds), "holds: proved: e &lt; 4u"));
     CHECK(says(row_of(Evidence::proof, refuted), "refuted: refuted by proof: e &lt; 4u"));
     CHECK(says(row_of(Evidence::exhaustive, holds, 2048), "holds: all 2048 floats"));
-    CHECK(says(row_of(Evidence::exhaustive, holds), "holds: all that it speaks of was measured"));
+    CHECK(says(row_of(Evidence::exhaustive, holds), "holds: every case that it speaks of was measured"));
     CHECK(
-        says(row_of(Evidence::search, holds, 0, 300), "holds: no worse one found in 300 evaluations; the worst is 7"));
-    CHECK(says(row_of(Evidence::search, refuted), "refuted: by the worst that a search found"));
-    CHECK(says(row_of(Evidence::sample, holds), "holds: of what was measured, a sample"));
+        says(row_of(Evidence::search, holds, 0, 300), "holds: no worse case found in 300 evaluations; the worst is 7"));
+    CHECK(says(row_of(Evidence::search, refuted), "refuted: by the worst case that a search found"));
+    CHECK(says(row_of(Evidence::sample, holds), "holds: for a measured sample"));
     CHECK(row_of(Evidence::none, holds).find("evidence") == std::string::npos);
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("a claim that came out otherwise rests on nothing, but still says how 
     };
     CHECK(row().find("evidence") == std::string::npos);
     result.floats = 12;
-    CHECK(says(row(), "expected to hold, does not: all 12 floats"));
+    CHECK(says(row(), "expected to hold, but does not: all 12 floats"));
 }
 
 }  // namespace test_claims_table

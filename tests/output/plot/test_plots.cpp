@@ -138,8 +138,8 @@ TEST_CASE("series that agree share a line and an entry, the others have looks of
     const std::vector<Series> series{level("a", 10), broken, level("b", 10), twin, level("e", 11)};
     const auto lines = plot_lines(series);
     REQUIRE(lines.size() == 3);
-    CHECK(lines[0].label == "2 the same: a, b");
-    CHECK(lines[1].label == "2 the same: c, d");
+    CHECK(lines[0].label == "2 alike: a, b");
+    CHECK(lines[1].label == "2 alike: c, d");
     CHECK(lines[2].label == "e");
     CHECK(lines[0].colour == first_colour);
     CHECK(lines[1].colour == second_colour);

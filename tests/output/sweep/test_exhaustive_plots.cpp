@@ -72,7 +72,7 @@ TEST_CASE("a picture has a level stretch a binade, no wider than what was tried,
     const std::string below = sweep_text("ray.origin.x", "from = \"-0x1.00001p0\"\nto = \"-0x1.ffffp-1\"", sphere);
     const Ran open("convention = \"open\"\n" + below, {row("sphere.schoolbook", "f32")});
     CHECK(open.plots()->wrong.x.title == "x, in radii, below 0, in size");
-    CHECK(open.plots()->wrong.subtitle.front() == "A test, judged by the open solid");
+    CHECK(open.plots()->wrong.subtitle.front() == "A test, judged by the open primitive");
 }
 
 TEST_CASE("both signs are told apart, subnormal numbers have a place, and what has none is said") {
@@ -91,7 +91,7 @@ TEST_CASE("both signs are told apart, subnormal numbers have a place, and what h
         CHECK(plots->wrong.x.title == "x, in radii, in size");
         CHECK(plots->wrong.x.scale == AxisSpec::Scale::log2);
         CHECK(std::ranges::any_of(plots->wrong.subtitle, [](const std::string& line) {
-            return line.find("zeros, infinities and NaN are in the tables alone") != std::string::npos;
+            return line.find("zeros, infinities and NaNs are only in the tables") != std::string::npos;
         }));
     }
 }

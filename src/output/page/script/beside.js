@@ -1,7 +1,7 @@
-// Beside the picture of a map: what its colours mean, the names of its halves, what to look for, the form's own numbers
-// while no ray is chosen, and the small pictures.
+// The parts beside the picture of a map: the legend of its colours, the names of its halves, the note on what to look
+// for, the form's own numbers while no ray is chosen, and the small pictures.
 
-/** The ramp with its ticks, and what it is of. */
+/** Draws the colour ramp with its ticks and the name of the quantity. */
 function rampBar(ticks, text) {
     const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }),
           context = bar.getContext("2d");
@@ -18,11 +18,11 @@ function rampBar(ticks, text) {
     return make("span.ramp", scale, make("span.unit", text));
 }
 
-/** An operation's expression, or a word of ours. */
+/** The name of a category: an operation's expression as it is, any other name with blanks. */
 const categoryName = (metric, value) =>
     (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
 
-/** A small square of a class's colour. */
+/** Draws a small square in the colour of a class. */
 function swatch(colour) {
     const canvas = make("canvas.swatch", { width: 12, height: 12, "aria-hidden": "true" }),
           context = canvas.getContext("2d");
@@ -31,10 +31,10 @@ function swatch(colour) {
     return canvas;
 }
 
-/** The colour of a class, and what it means. */
+/** A legend entry: the colour of a class, and its meaning. */
 const ofColour = (colour, text) => make("span.class", swatch(colour), ` ${text}`);
 
-/** The operations that are to blame most often, and in how many pixels. */
+/** Legend of culprits: the operations that are blamed most often, each with its number of pixels. */
 function culpritLegend({ name, categories }, pixels) {
     const counts = new Map(), most = 8;
     for (const c of pixels.stored[name])
@@ -54,10 +54,10 @@ async function drawLegend() {
             `${words(name)}${unit && unit !== "1" && !name.includes(unit) ? `, ${unit}` : ""}`));
     if (blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
     else children.push(...(categories ?? []).map(([word, colour]) => ofColour(colour, words(word))));
-    if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
+    if (metricNow() !== metric || rowNow() !== row) return;  // something else is looked at by now
     if (!metric.marches && !metric.every_ray) {
         index.outcomes.forEach(([word, colour], o) => {
-            if (blamed && wrongDecisions.includes(o)) return;  // a culprit is named for those too
+            if (blamed && wrongDecisions.includes(o)) return;  // a culprit is named for wrong decisions too
             if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
                 children.push(ofColour(colour, `${words(word)} ${row.outcomes[o]}`));
         });
@@ -65,7 +65,7 @@ async function drawLegend() {
     mapParts.legend.replaceChildren(...children);
 }
 
-/** Writes A and B on the halves, each no wider than its half. */
+/** Writes A and B on the halves. Each name is at most as wide as its half. */
 function nameHalves() {
     const { halfA, halfB } = mapParts, other = otherRow();
     for (const [half, letter, row, share] of [
@@ -77,10 +77,10 @@ function nameHalves() {
     }
 }
 
-/** `A: `, while another form is compared with. */
+/** `A: ` while a second form is compared, else nothing. */
 const letterA = () => (otherRow() ? "A: " : "");
 
-/** The answer of the form that is compared with, in a line. */
+/** One line with the answer of the form B. */
 async function otherAnswer(map, row, x, y) {
     const p = await pixelsOf(map, row), i = y * map.width + x, outcome = p.outcome[i];
     const answer = p.object[i] > 0 ? `, t ${decimal(p.t[i])}` : "",
@@ -90,7 +90,7 @@ async function otherAnswer(map, row, x, y) {
         ` B: ${words(outcomeNames[outcome])}: ${title(row)}${answer}${lost}`);
 }
 
-/** What a scene or sweep is to show, open until it is closed. */
+/** A box for the note of a scene or sweep. It is open until the reader closes it. */
 function noteBox(id) {
     const text = make("p"), box = make("details.note", { id, open: true }, make("summary", "What to look for"), text);
     return [
@@ -102,14 +102,14 @@ function noteBox(id) {
     ];
 }
 
-/** The form over the whole picture: its decisions, then its quantiles, where enough hits agree. */
+/** Summary of a form over the whole picture: its outcomes, then its quantiles if enough hits agree. */
 function summaryOf(map, row) {
     const rays = total(row.outcomes), agreed = row.outcomes[agreeHit], body = make("tbody");
     row.outcomes.forEach((n, o) => n > 0 && body.append(cells("td", words(outcomeNames[o]), `${n} of ${rays} rays`)));
     const table = make("table", make("caption", `${title(row)}, the whole picture`), body);
     if (row.true_hits === 0) return [table];
     if (!isEnough(agreed, row.true_hits))
-        return [table, make("p.few", `${tooFew(agreed, row.true_hits)}: too few for a quantile.`)];
+        return [table, make("p.few", `${tooFew(agreed, row.true_hits)}: too few for quantiles.`)];
     const quantiles = make("tbody");
     for (const metric of map.metrics) {
         const values = row.statistics[metric.name];
@@ -123,7 +123,8 @@ function summaryOf(map, row) {
             quantiles))];
 }
 
-// Every form and format of the scene side by side: one range, one view, moved together.
+// The small pictures of every form and format of the scene. All show the same part of the scene with the same colour
+// scale, and they move together.
 
 const paneParts = {
     scene: "",
@@ -134,7 +135,7 @@ function buildPane(map, row) {
     const factor = 144 / Math.max(map.width, map.height);
     const canvas = make("canvas", { width: Math.round(map.width * factor), height: Math.round(map.height * factor) });
     const lost = row.statistics.lost_bits?.[1], agreed = row.outcomes[agreeHit];
-    const quantile = !isEnough(agreed, row.true_hits) ? `${tooFew(agreed, row.true_hits)}: no quantile` :
+    const quantile = !isEnough(agreed, row.true_hits) ? `${tooFew(agreed, row.true_hits)}: no quantiles` :
         lost === null || lost === undefined ? "no correct hit" :
                                               `p99 ${rounded(lost)} of ${row.precision} bits lost`;
     const wrong = index.outcomes.map(([name], o) => [name, row.outcomes[o]]).filter(([name, n], o) => o >= 2 && n > 0);
@@ -142,7 +143,7 @@ function buildPane(map, row) {
         ".pane", (event) => goTo(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }),
         make("span.thumbnail", canvas), make("span.name", make("b", shortName(row)), ` ${row.format}`),
         ...wrong.map(([name, n]) => make("small", `${n} ${words(name)}`)), make("small", quantile));
-    pane.title = `${row.title}; click to look at it, shift-click to compare with it`;
+    pane.title = `${row.title}; click to show it, shift-click to compare with it`;
     pane.dataset.row = keyOf(row);
     steer(canvas, () => {});
     return { row, canvas, pane };
@@ -168,7 +169,7 @@ async function drawPanes() {
 
 function buildPanes() {
     let waiting = false;
-    // After the large picture, and once for many moves.
+    // Draws after the large picture, and once for many moves.
     listeners.push(() => {
         if (waiting) return;
         waiting = true;

@@ -1,6 +1,6 @@
-// The claims by subject: a filter, an order, and the command of each.
+// The claims by subject: a filter, a sort order, and the command that measures each claim again.
 
-/** What rows are sorted by; the report's order is that of the files. */
+/** Sort keys of the rows. The report's own order is that of the claim files. */
 const claimOrders = {
     "as in the files": (row) => row.dataset.place,
     verdict: (row) => row.dataset.grave,
@@ -11,7 +11,7 @@ const claimOrders = {
     expected: (row) => row.cells[5].querySelector("data")?.value ?? ""
 };
 
-/** Numbers by size, other words by the alphabet, what has neither last. */
+/** Compares numbers by size and other texts by the alphabet; empty keys come last. */
 function compareKeys(a, b) {
     if (a === "" || b === "") return (a === "") - (b === "");
     const [x, y] = [a, b].map((key) => Number(asNumber(key)));

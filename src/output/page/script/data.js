@@ -1,4 +1,4 @@
-// From the packed text of the page to numbers. Layouts are those of map_data.cpp.
+// Reads the packed data of the page into numbers. map_data.cpp defines the layouts.
 
 const index = JSON.parse(document.getElementById("index").textContent);
 const outcomeNames = index.outcomes.map(([name]) => name);
@@ -8,12 +8,12 @@ const wrongDecisions = ["false_miss", "false_hit", "wrong_object", "crack", "dou
 const keyOf = (row) => `${row.form}.${row.format}`;
 const shortName = (row) => row.form.slice(row.form.indexOf(".") + 1);
 
-/** Whether quantiles over so many agreed hits stand for a form, and what is said where they do not: agreement.hpp. */
+/** True if quantiles over this many agreed hits stand for the form; `tooFew` is the text if not. See agreement.hpp. */
 const isEnough = (agreed, hits) => hits === 0 || (agreed > 0 && agreed >= index.least_agreement * hits);
 const tooFew = (agreed, hits) =>
     `${agreed} of ${hits} hit${hits === 1 ? "" : "s"} ${agreed === 1 ? "agrees" : "agree"}`;
 
-/** What `read` gives for a name, or a promise of it; each is read once. */
+/** Calls `read` at most once for a name and returns the same result, or promise, from then on. */
 const kept = new Map();
 function once(name, read) {
     if (!kept.has(name)) kept.set(name, read());
@@ -23,16 +23,19 @@ function once(name, read) {
 async function bytesOf(name) {
     const element = document.getElementById(name), text = atob(element.textContent),
           packed = new Uint8Array(text.length);
-    element.remove();  // it is not needed twice
+    element.remove();  // the packed text is not needed again
     for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** A packed part that is JSON. */
+/** Reads a packed part as JSON. */
 const jsonOf = (name) => once(name, async () => JSON.parse(new TextDecoder().decode(await bytesOf(name))));
 
-/** Reads planes: byte k of all numbers, lowest first; as machines have them, on which browsers run. */
+/**
+ * Reads planes: plane k holds byte k of all numbers, lowest byte first. Browsers run on little-endian machines, so the
+ * bytes are used in this order.
+ */
 class Planes {
     constructor(bytes, count) {
         this.bytes = bytes;
@@ -48,7 +51,7 @@ class Planes {
     }
 }
 
-// Undoes `folded_difference`: in 32 bits, and in pairs of words of 32 bits, low and high.
+// Undo `folded_difference` (pack.hpp): for 32 bits, and for 64 bits as two 32-bit halves, the low one first.
 
 const unfold = (d) => (d >>> 1) ^ -(d & 1);
 
@@ -64,7 +67,10 @@ function addPair(words, at, low, high) {
     words[at + 1] += high + (sum > 0xffffffff ? 1 : 0);
 }
 
-/** Calls `undo(i, last, before)` for the true hits along each row of a picture; without a neighbour, `none`. */
+/**
+ * Calls `undo(i, last, before)` for each true hit along each row of a picture. `last` and `before` are the indices of
+ * the two true hits to the left, or `none`.
+ */
 function alongRows(width, decision, none, undo) {
     for (let i = 0, last = none, before = none; i < decision.length; ++i) {
         if (i % width === 0) last = before = none;
@@ -74,16 +80,19 @@ function alongRows(width, decision, none, undo) {
     }
 }
 
-/** Undoes what `MapData::Group` does: bits less 2 last - before; they are 0 where nothing is hit. */
+/**
+ * Undoes what `MapData::Group` does: the stored bits are the bits less (2 last - before). They are 0 where nothing is
+ * hit.
+ */
 function pointedTo(doubles, width, decision) {
-    const n = doubles.length, words = new Uint32Array(2 * n + 2);  // and the bits of none, which are 0
+    const n = doubles.length, words = new Uint32Array(2 * n + 2);  // one more for `none`, whose bits are 0
     words.set(new Uint32Array(doubles.buffer));
     alongRows(width, decision, n, (i, last, before) => {
         unfoldPair(words, 2 * i);
         addPair(words, 2 * i, words[2 * last], words[2 * last + 1]);
         if (words[2 * before] === 0 && words[2 * before + 1] === 0) return;
         addPair(words, 2 * i, words[2 * last], words[2 * last + 1]);
-        addPair(words, 2 * i, ~words[2 * before], ~words[2 * before + 1]);  // its complement and one: less `before`
+        addPair(words, 2 * i, ~words[2 * before], ~words[2 * before + 1]);  // complement plus one: subtracts `before`
         addPair(words, 2 * i, 1, 0);
     });
     return new Float64Array(words.buffer, 0, n);
@@ -102,7 +111,7 @@ async function truthOf(map, group) {
     };
 }
 
-/** Floats of the true hits, whose bits are kept less 2 last - before; NaN elsewhere. */
+/** Reads floats of true hits, whose bits are stored less (2 last - before); NaN elsewhere. */
 function floatsPointedTo(d, width, decision) {
     const values = new Float32Array(d.length + 1).fill(NaN), bits = new Uint32Array(values.buffer), none = d.length;
     bits[none] = 0;
@@ -112,7 +121,7 @@ function floatsPointedTo(d, width, decision) {
     return values.subarray(0, none);
 }
 
-/** Answers, whose bits are kept less those of the truth in the same format. */
+/** Reads the answers, whose bits are stored less the bits of the truth in the same format. */
 function answers(planes, { coding }, { truth }) {
     if (coding === "plain64") return planes.read(Float64Array);
     if (coding === "bits32") {
@@ -129,7 +138,7 @@ function answers(planes, { coding }, { truth }) {
     return t;
 }
 
-/** The pixels of a row: outcome, object, t, the stored metrics and the truth they share with others. */
+/** The pixels of a row: outcome, object, t, the stored metrics, and the truth, which rows may share. */
 const pixelsOf = (map, row) => once(`row:${map.id}:${keyOf(row)}`, () => readRow(map, row));
 
 async function readRow(map, row) {
@@ -153,7 +162,7 @@ async function readRow(map, row) {
 const sampleAt = (pixels, i) =>
     ({ t: pixels.t[i], truth: pixels.truth.truth[i], rest: pixels.truth.rest[i], row: pixels.row });
 
-/** A metric at pixel i; NaN where it does not exist. */
+/** Value of a metric at pixel i; NaN where it is undefined. */
 function valueAt(pixels, metric, i) {
     if (metric.kind === "stored") return pixels.stored[metric.name][i];
     if (pixels.outcome[i] !== agreeHit) return NaN;
@@ -161,7 +170,7 @@ function valueAt(pixels, metric, i) {
     return metric.kind === "shared" ? pixels.truth.condition[i] : derived[metric.name](sampleAt(pixels, i));
 }
 
-// Colours: the same tables and the same arithmetic as the PNGs.
+// Colours: the tables and the arithmetic of the PNGs.
 
 const ramp = Array.from(
     { length: 256 }, (_, i) => [0, 2, 4].map((k) => parseInt(index.ramp.slice(6 * i + k, 6 * i + k + 2), 16)));
@@ -180,7 +189,7 @@ function rampAt(scale, value) {
     return ramp[Math.round(within(p, 0, 1) * 255)];
 }
 
-/** The scale of a metric in the format of a row. */
+/** Colour scale of a metric in the format of a row. */
 const scaleOf = (metric, row) => metric.scales[row.format];
 
 function colourOf(metric, row, outcome, value) {
@@ -196,7 +205,7 @@ function colourOf(metric, row, outcome, value) {
     return Number.isNaN(value) ? index.no_value : rampAt(scaleOf(metric, row), Math.abs(value));
 }
 
-/** The field of a metric as a canvas of one pixel a ray. */
+/** Paints a metric on a canvas with one pixel per ray. */
 function paint(map, pixels, metric) {
     if (!pixels.painted.has(metric.name)) {
         const canvas = document.createElement("canvas");

@@ -1,4 +1,4 @@
-// Planes of two axes and tables of named cases: cells in the colours of the PNGs, with keys to walk on them.
+// Planes of two axes and tables of named cases: cells in the colours of the PNGs. Arrow keys move from cell to cell.
 
 const gridParts = {};
 
@@ -6,7 +6,7 @@ const isFraction = (statistic) => statistic.endsWith("_fraction");
 
 const shortTick = (x) => tickText(Number(x.toPrecision(3)));
 
-/** Columns and lines as they are drawn, lines from the top: the highest second value of a plane, the first case. */
+/** Columns and lines in drawing order. The top line is the highest second value of a plane, or the first case. */
 function layoutOf(sweep, rows) {
     if (sweep.kind === "plane") {
         const [x, y] = sweep.axes;
@@ -31,14 +31,14 @@ function layoutOf(sweep, rows) {
 
 const wrongOutcomes = [outcomeNames.indexOf("not_a_number"), ...wrongDecisions];
 
-/** The most frequent wrong outcome, the first of equals, where more than half of the rays have one. */
+/** The most frequent wrong outcome if more than half of the rays are wrong, else -1. Ties go to the first. */
 function mostlyWrong(counts) {
     return total(wrongOutcomes.map((o) => counts[o])) / total(counts) > 0.5 ?
         wrongOutcomes.reduce((best, o) => (counts[o] > counts[best] ? o : best)) :
         -1;
 }
 
-/** Colour and text of a cell; no colour where there is no value. */
+/** Colour and text of a cell. The colour is null where there is no value. */
 function cellLook(sweep, row, statistic, cell) {
     const counts = row.outcomes[cell];
     if (statistic === "verdict") {
@@ -66,13 +66,13 @@ function cellLook(sweep, row, statistic, cell) {
 
 const paler = (sweep, colour) => colour.map((x, k) => (x + sweep.paper[k]) >> 1);
 
-/** Whether the form, not the problem, is to blame for what a cell of a plane loses. */
+/** True if the form, and not the problem, loses the bits of a cell of a plane. */
 function isBlamed(sweep, row, cell) {
     return mostlyWrong(row.outcomes[cell]) < 0 && drawnValue(sweep, row, "lost_bits_p99", cell) >= 1 &&
         cellValue(sweep, row, "excess_bits_p99", cell) >= 1;
 }
 
-/** Lines around the cells that the form is to blame for. */
+/** Draws lines around the cells whose bits the form loses. */
 function outlineBlamed(context, { sweep, chosen, statistic }, layout, frame) {
     if (!layout.up || statistic !== "lost_bits_p99") return;
     const inside = (i, j) =>
@@ -92,7 +92,7 @@ function outlineBlamed(context, { sweep, chosen, statistic }, layout, frame) {
     }
 }
 
-/** Black or white, whichever is read better on a colour: 0.18 of linear light is where both have the same contrast. */
+/** Black or white, whichever contrasts more with a colour. Both contrasts are equal at a relative luminance of 0.18. */
 function inkOn(colour) {
     const [r, g, b] = colour.map((x) => (x / 255 <= 0.04045 ? x / 255 / 12.92 : ((x / 255 + 0.055) / 1.055) ** 2.4));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 ? "#202024" : "#fff";
@@ -111,7 +111,9 @@ function paintCell(context, look, x, y, w, h) {
     context.fillText(look.text, x + w / 2, y + h / 2 + 1);
 }
 
-/** Where the field lies in the canvas, in its own units: labels to the left, and above (names) or below (values). */
+/**
+ * Position of the field in the canvas, in CSS pixels. Labels stand to the left, and above (names) or below (values).
+ */
 function frameOf(context, { sweep, rows, statistic }, layout) {
     const wide = (texts) => Math.ceil(Math.max(...texts.map((t) => context.measureText(t).width)));
     if (layout.up) {
@@ -192,7 +194,7 @@ function drawGrid() {
 const placeOf =
     (layout, frame, i, j) => [frame.left + i * frame.w, frame.top + (layout.up ? layout.lines - 1 - j : j) * frame.h];
 
-/** The chosen cell: column and line of a plane, form and case of a table; none where nothing is chosen. */
+/** The chosen cell: column and line of a plane, form and case of a table; null if none is chosen. */
 function gridCell(sweep, rows, chosen) {
     if (state.v < 0) return null;
     return sweep.kind === "plane" ? [state.u, state.v] : [rows.indexOf(chosen), state.v];
@@ -206,13 +208,13 @@ function gridUnder(event) {
         null;
 }
 
-/** The values of both axes at a cell of a plane. */
+/** Values of both axes at a cell of a plane. */
 function placesOf(sweep, cell) {
     const [x, y] = sweep.axes.map((axis) => axis.values);
     return [x[cell % x.length], y[Math.floor(cell / x.length)]];
 }
 
-/** What the cell in column i of line j is of: its row, its number and where it lies, in words. */
+/** The cell in column i of line j: its row, its index, and its position in words. */
 function cellAt(i, j) {
     const { sweep, chosen } = sweepParts.now, [row, cell] = gridParts.layout.cell(i, j);
     const place = sweep.kind === "cases" ?
@@ -236,7 +238,7 @@ function walkGrid(dx, dy) {
         within(at[0] + dx, 0, layout.columns - 1), within(at[1] + (layout.up ? -dy : dy), 0, layout.lines - 1));
 }
 
-/** Bar and classes of what is drawn. */
+/** Legend of the grid: the colour bar, and the outcomes that occur. */
 function gridLegend() {
     const { sweep, rows, chosen, statistic } = sweepParts.now, isVerdict = statistic === "verdict",
                                            isPlane = sweep.kind === "plane", shown = isPlane ? [chosen] : rows;
@@ -251,7 +253,8 @@ function gridLegend() {
     const say = (text) => entries.push(make("span.class", text));
     if (isVerdict) {
         entries.push(ofColour(sweep.right, `right: ${sweep.right_means}`));
-        if (rows.some((row) => row.verdicts.includes("within_inputs"))) say(`22/21 b, paler: ${sweep.within_means}`);
+        if (rows.some((row) => row.verdicts.includes("within_inputs")))
+            say(`22/21 b, paler colour: ${sweep.within_means}`);
         say(sweep.numbers_mean);
     }
     for (const outcome of [...seen].sort())

@@ -1,8 +1,8 @@
-// What is known of one pixel, in words and exact numbers.
+// The inspector: all that the page holds about one pixel, in words and exact numbers.
 
 const title = (row) => `${row.form} in ${row.format}`;
 
-/** `t`, the truth and the metrics of a pixel under a form in each of its formats. */
+/** The answer `t` of a form in each of its formats, the truth, and the metrics at a pixel. */
 async function pixelFacts(map, row, x, y) {
     const i = y * map.width + x, same = map.rows.filter((r) => r.form === row.form);
     const all = await Promise.all(same.map((r) => pixelsOf(map, r))), pixels = all[same.indexOf(row)],
@@ -35,13 +35,13 @@ function header(...texts) {
 
 function truthText({ decision, truth, rest, bound, object }, row) {
     if (decision === 0) return ["The ray truly misses."];
-    if (decision === 2) return ["The true answer could not be proved, so this ray is not counted."];
+    if (decision === 2) return ["The true answer could not be proved, so the ray is not counted."];
     const off = rest === 0 ? "" : ` ${rest < 0 ? "-" : "+"} ${tidy(Math.abs(rest))}`;
     return [
         make("b", row.direction === "unit" ? "true distance " : "true t "),
         make("code", { data: { truth: decimal(truth) } }, decimal(truth)),
         `${off}, ${bound === -32768 ? "exactly" : `within 2^${bound}`}; `, make("code", hex(truth)),
-        `; solid ${object - 1}`
+        `; primitive ${object - 1}`
     ];
 }
 
@@ -70,10 +70,10 @@ function metricTable(facts) {
     return make("table.metrics", body);
 }
 
-/** A word as a shell reads it back. */
+/** Quotes a word for a shell if it needs quotes. */
 function shellWord(word) { return /^[A-Za-z0-9_./,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`; }
 
-/** What to type for the same map, and for one ray of it. */
+/** Commands for the same map, and for one ray of it. */
 function commandsFor(map, row, x, y, metric) {
     const drawn = metric.kind === "classes" ? "" : ` --metric ${shellWord(metric.name)}`;
     return {
@@ -83,8 +83,9 @@ function commandsFor(map, row, x, y, metric) {
 }
 
 /**
- * Room about a measured number, so that a claim does not fail over nothing: half a bit, a hundredth of a share, a
- * hundredth of the rays, and else a tenth. Nothing below 0; of an exact zero, only zero; of one ray, its outcome.
+ * Interval about a measured number for a claim, so that a trifle does not make the claim fail: half a bit, a hundredth
+ * for a fraction, a hundredth of the rays for a count, else a tenth of the value. It never reaches below 0. An exact
+ * zero allows only zero. One ray allows only its outcome.
  */
 function intervalAbout(column, value, rays) {
     if (outcomeNames.includes(column) && rays === 1) return [value, value];
@@ -97,27 +98,28 @@ function intervalAbout(column, value, rays) {
         isShare                        ? 0.01 :
                                          Math.abs(value) / 10;
     const digits = (x) => Number(x.toPrecision(3)), low = Math.max(0, value - by), high = value + by;
-    // Outwards: three digits may lie a two-hundredth inside, which a tenth covers; bits and shares are cut apart.
+    // Round outwards. Three digits may lie a two-hundredth inside the interval, which the tenth covers; bits and
+    // fractions are cut separately.
     return column.includes("bits") ? [Math.floor(low * 10) / 10, Math.ceil(high * 10) / 10] :
         isShare                    ? [Math.floor(low * 1000) / 1000, Math.min(1, Math.ceil(high * 1000) / 1000)] :
                                      [digits(low), digits(high)];
 }
 
-/** `in = […]`, and what was measured. */
+/** The line `in = […]` of a claim, and a comment with the measured number. */
 function intervalLine(column, value, rays, isDrawn) {
     const [low, high] = intervalAbout(column, value, rays);
     const advice = isDrawn ?
         "; the rays are random, so take the interval that `lostbits check --measure --seeds 31` prints" :
-        "; make the interval as wide as the sentence allows";
+        "; make the interval as wide as your statement allows";
     return `# measured ${decimal(value)}${advice}\nin = [${decimal(low)}, ${decimal(high)}]`;
 }
 
 /**
- * A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. A string of JSON
- * is one of TOML.
+ * Text of a two-sided claim about a row of the page, ready for data/claims. `given` names the rays that it is measured
+ * on. Every string of JSON is a string of TOML.
  */
 function claimText(id, given, { form, format }, [column, value], rays, isDrawn) {
-    return `# Behind schema = "lostbits-claims/1", which stands once at the head of a file of claims.
+    return `# Paste below the line schema = "lostbits-claims/1" at the head of a claim file.
 [[claim]]
 id = ${JSON.stringify(`my.${id}.${form}.${format}.${column}`)}
 statement = "Say in one sentence what should hold"
@@ -134,7 +136,10 @@ ${intervalLine(column, value, rays, isDrawn)}
 `;
 }
 
-/** Of the chosen ray: its metric where it has a number there, else its outcome. Of none: of what the summary has. */
+/**
+ * Writes a claim. With a chosen ray: its metric if it has a value there, else its outcome. Without: the summary of the
+ * whole map.
+ */
 async function claimFor(map, row, metric, x, y) {
     const scene = `scene = ${JSON.stringify(map.claimed)}`;
     if (x >= 0) {

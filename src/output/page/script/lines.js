@@ -1,11 +1,11 @@
-// Sweeps along one axis: a line for each group of forms whose values are the same, drawn by uPlot and named where it
-// ends; the thick one is the chosen form's.
+// Sweeps along one axis, drawn by uPlot. Forms with the same values share a line, and each line is named at its end.
+// The chosen form's line is thick.
 
 const endGap = 14;  // pixels between the names of lines
 
 /**
- * Where a value stands on the axis of the statistic: shares by their logarithms, and 0 at a place of its own, half a
- * decade below the least share that a step can have.
+ * Maps a value to a height on the axis of the statistic. Fractions are shown by their logarithms. A fraction of 0 is
+ * drawn half a decade below the smallest fraction that a step can have.
  */
 function heights({ rows, statistic }) {
     if (!isFraction(statistic)) return { of: (value) => value };
@@ -24,7 +24,8 @@ function heights({ rows, statistic }) {
 }
 
 /**
- * Forms whose values are the same all along, in the order of the first: they share a line, in the look of the first.
+ * Groups forms that have the same values at every step. A group shares one line, in the look and at the place of its
+ * first form.
  */
 function lineGroups({ sweep, rows, statistic }, order) {
     const groups = new Map();
@@ -45,15 +46,18 @@ const groupName = ({ rows }, most) =>
     (rows.length <= most ? rows.map(shortName).join(", ") :
                            `${shortName(rows[0])} and ${rows.length - 1} with the same values`);
 
-/** Where a line ends: the place of its last value, or none. */
+/** Index of the last value of a line, or -1. */
 const lastOf = (group) => group.y.reduce((last, y, k) => (y === null ? last : k), -1);
 
-/** Places for things of equal height that stay in order and apart, each as near to what it asks for as that allows. */
+/**
+ * Positions for labels of equal height. They keep their order, do not overlap, and lie as near to the wished positions
+ * as possible.
+ */
 function spreadOut(wishes, gap, low, high) {
     const blocks = [];
     for (const wish of wishes) {
         blocks.push({ sum: wish, n: 1 });
-        // A block stands about the mean of its wishes; where two touch they become one.
+        // A block is centred on the mean of its wished positions. Blocks that touch become one.
         for (;;) {
             const b = blocks.at(-1), a = blocks.at(-2);
             if (!a || a.sum / a.n + ((a.n + b.n) * gap) / 2 <= b.sum / b.n) break;
@@ -68,7 +72,7 @@ function spreadOut(wishes, gap, low, high) {
     return places.map((place) => place + (from || to));
 }
 
-/** Names at the right, each beside the end of its line. */
+/** Writes the names at the right, each beside the end of its line. */
 function drawEnds(plot) {
     const { ctx: context, bbox } = plot, k = devicePixelRatio, right = bbox.left + bbox.width;
     const ends = sweepParts.groups.filter((g) => lastOf(g) >= 0)
@@ -90,7 +94,7 @@ function drawEnds(plot) {
     context.lineWidth = k;
     ends.forEach(({ group, x, y }, i) => {
         context.strokeStyle = group.colour;
-        // From where the line stops, if that is before the edge: dotted.
+        // A line that stops before the right edge is continued by dots.
         context.setLineDash(x < right - 2 * k ? [k, 4 * k] : []);
         strokeAlong(context, [x, y], [right, y]);
         context.setLineDash([]);
@@ -104,8 +108,8 @@ function drawEnds(plot) {
 const endName = (group) => shortName(group.rows[0]) + (group.rows.length > 1 ? ` +${group.rows.length - 1}` : "");
 
 /**
- * Where an ulp of the distance is as wide as the sphere, nothing that a form answers there is of use: shaded, behind
- * the lines.
+ * Shades the part of a sweep where an ulp of the distance is at least as wide as the sphere. No answer of a form is
+ * useful there. The shade lies behind the lines.
  */
 function shadeTooFar(plot) {
     const { sweep, chosen } = sweepParts.now, part = sweep.too_far[chosen.format];
@@ -119,12 +123,12 @@ function shadeTooFar(plot) {
     context.restore();
 }
 
-/** What the lines and the shade mean, in words: for who cannot read the names in the plot. */
+/** Describes the lines and the shade in words, for readers who cannot read the names in the plot. */
 function drawLineKey() {
     const { sweep, chosen, rows } = sweepParts.now, { groups, lineKey } = sweepParts;
     const entries = groups.map((group) => {
         const names = make("span", ` ${group.rows.map(shortName).join(", ")}`);
-        if (group.rows.length > 1) names.append(make("small", ` (${group.rows.length} forms, the same values)`));
+        if (group.rows.length > 1) names.append(make("small", ` (${group.rows.length} forms with the same values)`));
         if (lastOf(group) < 0) names.append(make("small", " (no values)"));
         const entry = make("li", lineSample(group), names);
         entry.classList.toggle("chosen", group.rows.includes(chosen));
@@ -168,7 +172,7 @@ function plotSweep(now) {
                     values: (_, ticks) => ticks.map(tickText)
                 },
                 range ? {
-                    ...axisLook(`${words(statistic)}, on a log axis with 0 below it`),
+                    ...axisLook(`${words(statistic)} (log axis, 0 drawn below it)`),
                     size: 66,
                     splits: () => ticks,
                     values: (_, places) => places.map(text)
@@ -199,7 +203,7 @@ function plotSweep(now) {
         data, element);
 }
 
-/** The form whose line is under the pointer: the chosen one of a group that holds it. */
+/** The row whose line is under the pointer. In a group that holds the chosen row, the chosen one. */
 function rowUnder() {
     const { chosen } = sweepParts.now, group = sweepParts.groups[(sweepParts.focused ?? 0) - 1];
     return !group || group.rows.includes(chosen) ? chosen : group.rows[0];
@@ -209,7 +213,7 @@ function stepUnder({ left, idx }) {
     return sweepParts.plot && left >= 0 && typeof idx === "number" ? {...stepAt(idx), row: rowUnder() } : null;
 }
 
-/** A line at the chosen step, and a ring where it meets the chosen form. */
+/** Draws a line at the chosen step, and a ring where it meets the chosen form's line. */
 function drawStep(plot) {
     if (state.u < 0) return;
     const { sweep, chosen, statistic } = sweepParts.now, { cell } = stepAt(state.u),
@@ -229,7 +233,7 @@ function drawStep(plot) {
     context.restore();
 }
 
-/** The k-th step in rising order, under the chosen form. */
+/** The k-th step in rising order, for the chosen form. */
 function stepAt(k) {
     const { sweep, chosen } = sweepParts.now, cell = sweepParts.order[k], value = sweep.steps[cell];
     return { row: chosen, cell, place: [[sweep.label, decimal(value), hex(value)]] };
@@ -244,7 +248,7 @@ function onsetLines(row) {
             low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
     return [make(
         "details", make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
-        make("table", header("event", "threshold", "last good", "first seen bad", "first seen bad over draws"), body))];
+        make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
 }
 
 function walkSteps(by) {

@@ -1,4 +1,4 @@
-// Puts the parts together, follows links inside the page and says when it is ready.
+// Assembles the page, follows links inside it, and marks when it is ready.
 
 function follow() {
     if (!readHash(location.hash)) return Promise.resolve();
@@ -14,7 +14,7 @@ function scrollToSubject(hash) {
     document.getElementById(part)?.scrollIntoView();
 }
 
-/** Plots are drawn in the colours and the room of the moment. */
+/** Draws the plots again, in the present colours and width. */
 function redraw() {
     sweepParts.shown = tradeParts.shown = "";
     return goTo({});
@@ -39,9 +39,10 @@ async function start() {
         scrollToSubject(link.hash);
     });
     for (const link of document.querySelectorAll("a[data-view]"))
-        link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
-    addEventListener("popstate", follow);  // of links and of the address, too: once, or what was not found is forgotten
-    // On paper nothing can be opened.
+        link.href = `#${link.dataset.view}`;  // without scripts these links lead to the table and pictures
+    // Also fires for links and typed addresses. Following a link twice would forget what was not found.
+    addEventListener("popstate", follow);
+    // Nothing can be opened on paper, so open everything before printing.
     let closed = [];
     addEventListener("beforeprint", () => {
         closed = [...document.querySelectorAll("details:not([open])")];
@@ -56,7 +57,7 @@ async function start() {
         clearTimeout(waiting);
         waiting = setTimeout(redraw, 100);
     });
-    // They stand open where no script can, and where there is nothing to look at but them.
+    // These parts are open without scripts. With scripts they are open only if the page has nothing else to show.
     for (const part of document.querySelectorAll("details.part"))
         part.open = index.maps.length + index.sweeps.length === 0;
     settle();

@@ -1,8 +1,8 @@
-// The map of one form: pickers, the picture with its compared half, and the inspector.
+// The map of one form: pickers, the picture with a second form in its right half, and the inspector.
 
 const mapParts = {};
 
-/** Part of the field that is looked at: left, top, width and height in pixels. */
+/** The visible part of the map: left, top, width and height in pixels of the map. */
 function viewOf(map) {
     const w = map.width / state.zoom, h = map.height / state.zoom;
     return { left: state.cx * map.width - w / 2, top: state.cy * map.height - h / 2, w, h };
@@ -14,7 +14,7 @@ function drawView(canvas, map, field) {
     context.drawImage(field, left, top, w, h, 0, 0, canvas.width, canvas.height);
 }
 
-/** Where in a canvas an event is: 0 to 1 each way. */
+/** Position of an event in a canvas, from 0 to 1 in each direction. */
 function shareOf(canvas, { clientX, clientY }) {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     return [(clientX - left) / width, (clientY - top) / height];
@@ -34,7 +34,7 @@ function zoomBy(canvas, event, factor) {
     goTo({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
 }
 
-/** A ring about a pixel or cell, light around dark. */
+/** Draws a ring around a pixel or cell: a light line outside a dark one. */
 function ringAround(context, x, y, w, h) {
     for (const [colour, grow] of [["#fff", 2.5], ["#202024", 1.5]]) {
         context.strokeStyle = colour;
@@ -44,18 +44,18 @@ function ringAround(context, x, y, w, h) {
 
 async function drawMap() {
     const map = mapNow(), metric = metricNow(), other = otherRow(), { canvas } = mapParts;
-    // All the width; where the numbers stand beside it, less what they need, and no higher than the window. In whole
-    // pixels a ray, shown a little smaller.
+    // Use the full width. If the numbers stand beside the picture, leave them their space, and stay within the window's
+    // height. The canvas has a whole number of pixels per ray and is shown a little smaller.
     const wide = document.getElementById("map-view").clientWidth, tall = (0.86 * innerHeight * map.width) / map.height,
           room = Math.min(1024, wide >= 960 ? Math.min(wide - 484, Math.max(480, tall)) : wide);
     const factor = Math.max(1, Math.ceil(room / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
-    canvas.style.width = mapParts.picture.style.width = `${room}px`;  // and the slider is as long as the picture
+    canvas.style.width = mapParts.picture.style.width = `${room}px`;  // the slider is as long as the picture
     nameHalves();
     const fields = await Promise.all(
         [rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
-    if (map !== mapNow() || metric !== metricNow()) return;  // something newer is on its way
+    if (map !== mapNow() || metric !== metricNow()) return;  // a newer picture is on its way
     drawView(canvas, map, fields[0]);
     if (other) {
         const context = canvas.getContext("2d"), at = Math.round(state.split * canvas.width);
@@ -75,7 +75,7 @@ async function drawMap() {
     canvas.setAttribute(
         "aria-label",
         `${map.title}: ${words(metric.name)} of ${title(rowNow())}${
-            other ? ` (A, left) against ${title(other)} (B, right)` : ""}; arrow keys move from pixel to pixel`);
+            other ? ` (A, left) compared with ${title(other)} (B, right)` : ""}; arrow keys move from pixel to pixel`);
 }
 
 function drawPickers() {
@@ -94,17 +94,17 @@ function drawPickers() {
             names(map.rows.filter((r) => r.form === state.form).map((r) => r.format))),
         picker("metric", "pick-metric", "metric", ableMetrics(map).map((m) => [m.name, words(m.name)])),
         picker(
-            otherRow() ? "B: against" : "against", "pick-other", "other",
+            otherRow() ? "B: compare with" : "compare with", "pick-other", "other",
             [["", "nothing"], ...others.map((r) => [keyOf(r), title(r)])]));
     mapParts.slider.hidden = state.other === "";
     mapParts.slider.value = state.split;
-    mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
+    mapParts.copyClaim.disabled = !map.own_size;  // a claim is about the scene at its own size
     mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
     mapParts.worst.replaceChildren(...worstOf(row));
     mapParts.showNote(map.note);
 }
 
-/** The worst pixel, and the command that explains it; nothing where none is worse than another. */
+/** The worst pixel, and the command that explains it; nothing if no pixel is worse than another. */
 function worstOf({ worst, worst_explain }) {
     if (!worst) return [];
     return [
@@ -117,11 +117,12 @@ async function drawInspector(at) {
     const map = mapNow(), row = rowNow(), { inspector, operations } = mapParts, { x, y } = at ?? state;
     if (x < 0) {
         inspector.replaceChildren(
-            make("p", "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
+            make("p", "Point at the picture to see a ray's numbers. Click, or use the arrow keys, to keep them."),
             ...summaryOf(map, row),
             hint(
-                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to " +
-                "the worst pixel, n and N to the rays whose operations are held; x swaps A and B."));
+                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric; [ and ] change the " +
+                "form; w goes to the worst pixel; n and N go to the rays whose operations this page holds; x swaps " +
+                "A and B."));
         delete inspector.dataset.pixel;
     }
     await Promise.all([
@@ -130,7 +131,7 @@ async function drawInspector(at) {
     ]);
 }
 
-/** The pixel under the pointer in a line, and, while none is chosen, in the inspector. */
+/** Shows the pixel under the pointer in one line. If no pixel is chosen, the inspector shows it too. */
 async function hover({ x, y }) {
     const map = mapNow(), metric = metricNow(), pixels = await pixelsOf(map, rowNow()), i = y * map.width + x;
     const value = metric.kind === "classes" ? NaN : valueAt(pixels, metric, i);
@@ -141,7 +142,7 @@ async function hover({ x, y }) {
     if (state.x < 0) await drawInspector({ x, y });
 }
 
-/** Of a ray: its pixel, in the middle of what is looked at. */
+/** Chooses the pixel of a ray, and centres it if the view is zoomed in. */
 const toPixel = ({ x, y }) => goTo({ x, y, ...(state.zoom > 1 ? centredAt(mapNow(), x, y) : {}) });
 const toWorst = () => rowNow().worst && toPixel(rowNow().worst);
 
@@ -173,7 +174,7 @@ function turn(key, names, by) {
 }
 
 const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
-/** Around the chosen pixel, or where the view is. */
+/** Zooms about the chosen pixel, or about the centre of the view if none is chosen. */
 const centred = (zoom) => ({ zoom, ...(state.x < 0 ? {} : centredAt(mapNow(), state.x, state.y)) });
 
 function step(dx, dy) {
@@ -184,7 +185,7 @@ function step(dx, dy) {
     return goTo({ x, y, ...(seen ? {} : centredAt(map, x, y)) });
 }
 
-/** Wheel, drag and click on a picture of the current map. */
+/** Handles wheel, drag and click on a picture of the current map. */
 function steer(canvas, onclick) {
     let held = null;
     canvas.addEventListener("wheel", (event) => {
@@ -226,7 +227,8 @@ function buildMaps() {
         pickers: make("div.pickers"),
         what: make("p.what"),
         canvas: make("canvas#map", { tabIndex: 0, role: "img" }),
-        slider: make("input#split", { type: "range", min: 0, max: 1, step: "any", "aria-label": "where B begins" }),
+        slider: make(
+            "input#split", { type: "range", min: 0, max: 1, step: "any", "aria-label": "position where B begins" }),
         under: make("p.hint#under", "\u00a0"),
         worst: make("p.hint#worst-line"),
         legend: make("div.legend"),

@@ -1,5 +1,5 @@
 "use strict";
-// Numbers as the CSVs write them, and the metrics that follow from t, t* and kappa alone.
+// Numbers as the CSVs write them, and the metrics that are functions of t, t* and kappa alone.
 
 const word = new DataView(new ArrayBuffer(8));
 
@@ -14,8 +14,8 @@ function lowOf(x) {
 }
 
 /**
- * The shortest decimal that reads back to x, in the notation of the CSVs: the shorter of 100000 and 1e+05, the plain
- * one of equals.
+ * The shortest decimal that reads back to x, in the notation of the CSVs: the shorter of 100000 and 1e+05, and the
+ * plain notation if both are equally long.
  */
 function decimal(x) {
     if (Number.isNaN(x)) return "nan";
@@ -28,7 +28,7 @@ function decimal(x) {
     if (e < 0)
         plain = "0." +
             "0".repeat(-e - 1) + digits;
-    else if (digits.length <= e + 1) plain = BigInt(Math.abs(x)).toString();  // every digit, as std::to_chars has it
+    else if (digits.length <= e + 1) plain = BigInt(Math.abs(x)).toString();  // all digits, as std::to_chars
     else plain = digits.slice(0, e + 1) + "." + digits.slice(e + 1);
     return sign + (plain.length <= scientific.length ? plain : scientific);
 }
@@ -45,7 +45,7 @@ function hex(x) {
     return `${sign}0x1${fraction ? "." + fraction : ""}p${e < 0 ? "" : "+"}${e}`;
 }
 
-/** To look at; `decimal` is the exact one. */
+/** A short decimal for display; `decimal` is the exact one. */
 function rounded(x) {
     if (!Number.isFinite(x)) return decimal(x);
     const size = Math.abs(x);
@@ -53,22 +53,22 @@ function rounded(x) {
     return size < 1e-3 || size >= 1e7 ? x.toExponential(2) : String(Number(x.toPrecision(4)));
 }
 
-/** floor(log2|x|) of a finite x that is not 0. */
+/** floor(log2|x|) of a finite x other than 0. */
 function binade(x) {
     const biased = (highOf(x) >>> 20) & 2047;
     if (biased !== 0) return biased - 1023;
     return ((highOf(x * 2 ** 1022) >>> 20) & 2047) - 1023 - 1022;
 }
 
-/** x 2^e, exactly but for overflow and underflow of the result. */
+/** x 2^e, exact unless the result overflows or underflows. */
 function scaled(x, e) {
     const half = Math.trunc(e / 2);
     return x * 2 ** half * 2 ** (e - half);
 }
 
 /**
- * What is known of a hit on which form and truth agree: t, t* = truth + rest, kappa, and the format's p and emin.
- * ulp_error is good to a float's precision: rest is a float, and t - truth is exact wherever the two are within a
+ * The metrics of a hit on which form and truth agree. Inputs: t, t* = truth + rest, kappa, and the format's p and emin.
+ * ulp_error has the precision of a float, because rest is a float, and t - truth is exact if the two are within a
  * factor of two.
  */
 const derived = {

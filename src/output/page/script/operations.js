@@ -1,25 +1,25 @@
-// The operations of the rays that the page holds: what `lostbits explain` said of them, and the way to them.
+// The operations of the rays that the page holds, as `lostbits explain` lists them, and the links to these rays.
 
-/** The rays of a row whose operations are held, the worst first; none of a form that is compiled elsewhere. */
+/** The rays of a row whose operations the page holds, the worst first; none for a compiled form. */
 const raysOf = (map, row) => (row.formula ? jsonOf(`rays:${map.id}:${keyOf(row)}`) : Promise.resolve([]));
 
 const isAt = (x, y) => (ray) => ray.x === x && ray.y === y;
 const reasons = (ray) => ray.why.map(words).join(", ");
 
-/** The held ray nearest to a pixel, and how many pixels away it is. */
+/** The held ray nearest to a pixel, and its distance in pixels. */
 function nearestRay(rays, x, y) {
     const away = (ray) => Math.hypot(ray.x - x, ray.y - y), ray = rays.reduce((a, b) => (away(b) < away(a) ? b : a));
     return { ray, pixels: away(ray) };
 }
 
-/** To the next of the held rays; from another pixel, to the first. */
+/** Goes to the next held ray, or from a pixel without one to the first. */
 async function turnRay(by) {
     const rays = await raysOf(mapNow(), rowNow()), at = rays.findIndex(isAt(state.x, state.y));
     if (rays.length === 0) return;
     await toPixel(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
 }
 
-/** A button for each held ray; the one that the table is of is pressed. */
+/** A button for each held ray. The button of the ray in the table is pressed. */
 function rayButtons(rays, x, y) {
     const buttons = rays.map(
         (ray) =>
@@ -30,7 +30,7 @@ function rayButtons(rays, x, y) {
         "Rays whose operations this page holds: ", ...buttons);
 }
 
-/** `held` is in the order of `operation_json` (ray_data.cpp). */
+/** `held` has the order of `operation_json` (ray_data.cpp). */
 function operationRow(held) {
     const [node, name, formula, computed, exact, digits, off, cancelled, local, own, share, culprit, turned] = held;
     const shown = (x) => {
@@ -51,12 +51,12 @@ function operationRow(held) {
 }
 
 function operationTable(row, ray) {
-    const of = ray.solid === undefined ? "" : `, solid ${ray.solid}`;
+    const of = ray.solid === undefined ? "" : `, primitive ${ray.solid}`;
     const earlier = ray.earlier > 0 ? ` ${ray.earlier} operations of earlier samples are left out.` : "";
     return [
         make("h3", `Operation by operation: ${title(row)}${of}, pixel ${ray.x}, ${ray.y} (${reasons(ray)})`),
         ...ray.says.map((sentence) => make("p.sentence", sentence)),
-        make("p.hint.sideways", "The table goes on to the right: scroll it sideways."),
+        make("p.hint.sideways", "The table continues to the right: scroll it sideways."),
         make(
             "div.scrolls", { tabIndex: 0, role: "region", "aria-label": "operations, scrolled sideways" },
             make(
@@ -68,26 +68,26 @@ function operationTable(row, ray) {
         ...ray.sums.map((sentence) => make("p.sentence", sentence)),
         make(
             "p.hint",
-            "own: its rounding, in ulps of its own result. " +
-                `of ${ray.subject}: how much of the error of ${ray.subject} is assigned to that rounding. ` +
-                "local: bits that the operation alone loses on exact operands. " +
-                `Only operations on the way to the answer are shown, without those that are exact.${earlier}`)
+            "own: the operation's rounding error, in ulps of its own result. " +
+                `of ${ray.subject}: how much of the error of ${ray.subject} comes from that rounding. ` +
+                "local: bits that the operation alone would lose on exact operands. " +
+                `Only inexact operations that lead to the answer are shown.${earlier}`)
     ];
 }
 
-/** Of a pixel whose operations are not held: the command that shows them, and the nearest ray that is held. */
+/** Text for a pixel whose operations the page does not hold: the command that shows them, and the nearest held ray. */
 function elsewhere(map, row, rays, x, y) {
     const { explain } = commandsFor(map, row, x, y, metricNow());
-    const says = row.formula ? " shows the operations of this ray." : " shows what does better.";
+    const says = row.formula ? " shows the operations of this ray." : " names forms that do better.";
     const parts = [
         row.formula ? `The page does not hold the operations of pixel ${x}, ${y}. ` :
-                      "This form is compiled elsewhere, so its operations are not known. ",
+                      "Its operations are not known, because a compiled function is a black box. ",
         make("code", explain), says, " ", ...copyButtons(mapParts.copied, ["copy-elsewhere", "copy it", () => explain])
     ];
     if (rays.length > 0) {
         const { ray, pixels } = nearestRay(rays, x, y);
         parts.push(
-            ` The nearest ray that it holds is ${rounded(pixels)} pixel${pixels === 1 ? "" : "s"} away: `,
+            ` The nearest ray whose operations it holds is ${rounded(pixels)} pixel${pixels === 1 ? "" : "s"} away: `,
             button("#nearest-ray", () => toPixel(ray), `pixel ${ray.x}, ${ray.y} (${reasons(ray)})`));
     }
     return hint(...parts);
@@ -95,7 +95,7 @@ function elsewhere(map, row, rays, x, y) {
 
 let operationsAsked = 0;
 
-/** The operations of the ray of a pixel where they are held, or else where to find them; x < 0: of none. */
+/** Shows the operations of the ray of a pixel, or the way to find them; x < 0: no pixel is chosen. */
 async function showOperations(element, map, row, x, y) {
     const number = ++operationsAsked, rays = await raysOf(map, row);
     if (number !== operationsAsked) return;  // another pixel has been asked for since

@@ -1,10 +1,10 @@
-// What is looked at; all of it stands in location.hash, so that a link restores the view.
+// The state of the page: what is looked at. All of it is kept in location.hash, so that a link restores the view.
 
 const classes = {
     name: "outcome",
     kind: "classes",
     unit: "",
-    meaning: "whether form and truth agree about the ray"
+    meaning: "agreement of form and truth on the ray"
 };
 const metricsOf = (map) => [...map.metrics, classes];
 
@@ -14,20 +14,20 @@ const initial = {
 };
 const state = {...initial };
 const listeners = [];
-let drawing = Promise.resolve();  // what is being drawn
+let drawing = Promise.resolve();  // the drawing in progress
 const notes = [];
 
 const mapNow = () => index.maps.find((m) => m.id === state.scene);
 const rowNow = () => mapNow().rows.find((r) => r.form === state.form && r.format === state.format);
 const otherRow = () => mapNow().rows.find((r) => keyOf(r) === state.other);
 const metricNow = () => metricsOf(mapNow()).find((m) => m.name === state.metric);
-/** Metrics of marches are those of forms that march. */
+/** Metrics of a march exist only for forms that march. */
 const marches = (form) => form.startsWith("sdf.");
 const ableMetrics = (map) => metricsOf(map).filter((m) => !m.marches || marches(state.form));
 
 const sweepHas = (key) => index.sweeps.find((s) => s.id === state.sweep)?.rows.includes(key) === true;
 
-/** Puts what does not exist right; `asked` says in words what a link asked for in vain. */
+/** Replaces what does not exist by what does. `asked` holds what a link asked for. */
 function settle(asked = {}) {
     const choose = (key, names) => {
         if (names.includes(state[key])) return;
@@ -42,7 +42,7 @@ function settle(asked = {}) {
     if (index.maps.length > 0) {
         choose("scene", index.maps.map((m) => m.id));
         const map = mapNow();
-        // A link to a sweep names a row of it, which the map need not have.
+        // A link to a sweep names one of its rows, which the map need not have.
         const alongSweep = asked.sweep && !asked.scene && sweepHas(state.line);
         if (alongSweep) asked = {...asked, form: "", format: "" };
         choose("form", map.rows.map((r) => r.form));
@@ -64,7 +64,7 @@ function settle(asked = {}) {
     }
 }
 
-/** Only what differs from what the page would show by itself. */
+/** The parts of the state that differ from what the page shows by default. */
 function hashOf() {
     const isSaid = (key, value) => (key === "split" ? state.other !== "" : value !== initial[key]) &&
         !(key === "line" && value === `${state.form}.${state.format}`);
@@ -73,14 +73,14 @@ function hashOf() {
     return "#" + said.map(([key, value]) => `${key}=${text(value)}`).join("&");
 }
 
-/** Takes what a hash says; false where it is a plain anchor. */
+/** Reads the state from a hash; returns false for a plain anchor. */
 function readHash(hash) {
     const text = hash.replace(/^#/, "");
     if (!text.includes("=")) return false;
     const asked = Object.fromEntries(new URLSearchParams(text));
     notes.length = 0;
     for (const [key, value] of Object.entries(asked)) {
-        if (!(key in state)) notes.push(`"${key}" is not known in a link`);
+        if (!(key in state)) notes.push(`"${key}" is not a key that links can have`);
         else state[key] = typeof state[key] === "number" ? (value === "" ? NaN : Number(value)) : value;
     }
     const forgotten = ["line", "judged", "u", "v", ...(asked.zoom ? [] : ["zoom", "cx", "cy"])];
@@ -94,10 +94,10 @@ function readHash(hash) {
     return true;
 }
 
-/** Changes what is looked at and shows it. */
+/** Changes the state and shows it. */
 function goTo(changes) {
     if (("form" in changes || "format" in changes) && !("line" in changes))
-        state.line = "";  // what the map shows is shown along the sweep
+        state.line = "";  // the sweep shows the form of the map again
     Object.assign(state, changes);
     settle();
     history.replaceState(null, "", hashOf());
@@ -108,7 +108,7 @@ const drawAll = () => (drawing = Promise.all(listeners.map((show) => show())));
 
 // Small helpers for the parts below.
 
-/** An element, as `div.class#id` says; its properties, if it has any, come before its children. */
+/** Creates an element from `tag.class#id`. Its properties, if any, come before its children. */
 function make(what, ...children) {
     const [, tag, classes, , id] = what.match(/^(\w+)((?:\.[\w-]+)*)(#(.+))?$/), element = document.createElement(tag);
     element.className = classes.slice(1).replaceAll(".", " ");
@@ -133,14 +133,16 @@ function choice(label, id, options, value, onchange) {
     return make("label", label + " ", select);
 }
 
-/** Puts pickers into the place of others; one that was just used keeps the keyboard. */
+/** Replaces the pickers in a place. The picker that was just used keeps the focus. */
 function showPickers(place, ...pickers) {
     const held = document.activeElement?.id;
     place.replaceChildren(...pickers);
     if (held) place.querySelector(`#${held}`)?.focus();
 }
 
-/** For a picker; without a title, the file's name, and two of one title are told apart by their files. */
+/**
+ * Names for a picker: the title, or the file's name if there is none. Equal titles are told apart by their file names.
+ */
 const titled = (parts) => parts.map(
     ({
         id,
@@ -148,11 +150,11 @@ const titled = (parts) => parts.map(
     }) => [id, parts.some((p) => p.id !== id && title && p.title === title) ? `${title} (${id})` : title || id]);
 
 const words = (name) =>
-    name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_solid").replaceAll("_", " ");
+    name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_primitive").replaceAll("_", " ");
 const total = (counts) => counts.reduce((sum, n) => sum + n, 0);
 const within = (x, low, high) => Math.min(high, Math.max(low, x));
 
-/** What keys do on an element; those with Ctrl, Alt or Meta are the browser's. */
+/** Binds keys on an element. Keys with Ctrl, Alt or Meta are left to the browser. */
 function onKeys(element, keys) {
     element.addEventListener("keydown", (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
@@ -161,7 +163,7 @@ function onKeys(element, keys) {
     });
 }
 
-/** Puts a text on the clipboard and shows it: it can be read and selected where a browser lends no clipboard. */
+/** Copies a text to the clipboard and shows it, so that it can be selected where a browser offers no clipboard. */
 function copyText(text, output) {
     output.hidden = false;
     output.textContent = text;
@@ -169,6 +171,6 @@ function copyText(text, output) {
 }
 
 const copiedBox = () => make("pre.copied", { hidden: true });
-/** Buttons that each copy what a function says: their ids, words and functions. */
+/** Buttons that each copy the text of a function. Each entry is an id, a caption and the function. */
 const copyButtons = (output, ...all) =>
     all.map(([id, words, text]) => button(`#${id}`, async () => copyText(await text(), output), words));

@@ -1,5 +1,4 @@
-// A statistic along a sweep, over a plane or for named cases: which one is looked at, and what is known of one of its
-// cells.
+// A statistic along a sweep, over a plane or for named cases: the pickers, and the numbers of one cell.
 
 const sweepParts = {
     shown: "",
@@ -10,7 +9,7 @@ const sweepOf = (id) => jsonOf(`sweep:${id}`);
 
 const asNumber = (v) => (v === null ? NaN : v === "inf" ? Infinity : v === "-inf" ? -Infinity : v);
 
-/** The chosen row's key: the one that was asked for here, else the map's, else as near to it as the sweep has. */
+/** Key of the chosen row: the one asked for here, else the map's, else the nearest to it that the sweep has. */
 function sweepKey() {
     const { rows } = index.sweeps.find((s) => s.id === state.sweep);
     return [state.line, `${state.form}.${state.format}`].find((key) => rows.includes(key)) ??
@@ -18,7 +17,7 @@ function sweepKey() {
         rows.find((key) => key.endsWith(`.${state.format}`)) ?? rows[0];
 }
 
-/** Chooses a row of the sweep, and the same in the map where that has it. */
+/** Chooses a row of the sweep, and the same row in the map if the map has it. */
 function goAlong(row, more = {}) {
     const inMap = index.maps.length > 0 && mapNow().rows.some((r) => keyOf(r) === keyOf(row));
     return goTo({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
@@ -32,8 +31,7 @@ function statisticOf(sweep) {
 }
 
 /**
- * What is looked at: the sweep, its rows of the chosen format and convention, the chosen one of them, and the
- * statistic.
+ * The chosen sweep, its rows in the chosen format and convention, the chosen row, and the statistic.
  */
 function sweepNow(sweep) {
     const judged = sweep.conventions?.includes(state.judged) ? state.judged : sweep.conventions?.[0];
@@ -47,18 +45,18 @@ function sweepNow(sweep) {
     };
 }
 
-/** A statistic of a cell of a row: a step, a cell of a plane, a case. */
+/** Value of a statistic in a cell of a row. A cell is a step, a cell of a plane, or a case. */
 const cellValue = (sweep, row, statistic, cell) => asNumber(row.values[sweep.statistics.indexOf(statistic)][cell]);
 
-/** Whether a number is a quantile over too few of the hits to stand for the form. */
+/** True if the statistic is a quantile over too few of the hits to stand for the form. */
 const isWithheld = (row, statistic, cell) =>
     !isFraction(statistic) && !isEnough(row.outcomes[cell][agreeHit], row.true_hits[cell]);
-/** What pictures show: NaN where a quantile is withheld. */
+/** The value that pictures show: NaN where a quantile is withheld. */
 const drawnValue = (sweep, row, statistic, cell) =>
     (isWithheld(row, statistic, cell) ? NaN : cellValue(sweep, row, statistic, cell));
 const fewHits = (row, cell) => tooFew(row.outcomes[cell][agreeHit], row.true_hits[cell]);
 
-/** The chosen cell, or none: its row, its number there and its place, each a name, a value and the same exactly. */
+/** The chosen cell, or null: its row, its index, and its position as triples of name, value and exact value. */
 function cellNow() {
     const { sweep, rows, chosen } = sweepParts.now;
     if (sweep.kind === "line") return state.u < 0 ? null : stepAt(state.u);
@@ -81,24 +79,28 @@ function factsTable({ row, cell, place }) {
         add(words(statistic), Number.isNaN(value) ? "–" : decimal(value) + few, "", statistic);
     }
     const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""],
-          by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
+          by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} primitive` : "";
     return make("table", make("caption", `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
 }
 
-/** The verdict on a case; of one that the inputs decide, both numbers. */
+/** Verdict on a case. If the inputs decide it, both numbers are given. */
 function verdictWords(sweep, row, cell) {
     if (row.verdicts[cell] !== "within_inputs") return words(row.verdicts[cell]);
     const lost = cellValue(sweep, row, "lost_bits_max", cell), costs = asNumber(row.inherent[cell]);
     return `${sweep.within_means}: ${rounded(lost)} of ${row.precision} bits lost, the inputs cost ${rounded(costs)}`;
 }
 
-/** The cell under the pointer in a line; the chosen one, or else that, in the table. */
+/**
+ * Shows the cell under the pointer in one line, and the chosen cell in the table. If none is chosen, the table shows
+ * the one under the pointer.
+ */
 function showCell(under) {
     const { sweep, statistic } = sweepParts.now, pinned = cellNow();
     const line = ({ row, cell, place }) => {
         const value =
             statistic === "verdict" ? verdictWords(sweep, row, cell) : rounded(drawnValue(sweep, row, statistic, cell));
-        const none = isWithheld(row, statistic, cell) ? `is withheld: ${fewHits(row, cell)}` : "has no value";
+        const none =
+            isWithheld(row, statistic, cell) ? `is not shown, because only ${fewHits(row, cell)}` : "has no value";
         return `${title(row)}, ${place.map(([name, text]) => `${name} ${text}`).join("; ")}: ${words(statistic)} ${
             value === "nan" ? none : value}`;
     };
@@ -110,13 +112,13 @@ function showCell(under) {
             make(
                 "p.hint",
                 sweep.kind === "line" ?
-                    "Point at the plot for the numbers of a step; click, or walk with the arrow keys, to keep them. " +
+                    "Point at the plot for the numbers of a step. Click, or use the arrow keys, to keep them. " +
                         "A click also chooses the form whose line is under the pointer. " +
-                        "Drag to zoom, double-click to see all." :
-                    "Point at a cell for its numbers. Click, or walk with the arrow keys, to keep them; Escape lets them go."));
+                        "Drag to zoom; double-click to see all." :
+                    "Point at a cell for its numbers. Click, or use the arrow keys, to keep them. Escape lets go."));
 }
 
-/** A claim about the chosen cell, or else the last step or the first cell. */
+/** Writes a claim about the chosen cell, or else about the last step or the first cell. */
 function sweepClaim() {
     const { sweep, statistic } = sweepParts.now,
                              { row, cell } =
@@ -143,7 +145,7 @@ const turnStatistic = (by) => {
     return goTo({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
 };
 
-/** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
+/** Binds the arrow keys of `keys`. m and M change the statistic, [ and ] the form, as on a map. */
 const walkedByKeys = (element, keys) => onKeys(
     element,
     {...keys, m: () => turnStatistic(1), M: () => turnStatistic(-1), "]": () => turnRow(1), "[": () => turnRow(-1) });
@@ -168,7 +170,7 @@ function drawSweepPickers() {
             (form) => goAlong(rows.find((r) => r.form === form))),
         ...(sweep.conventions?.length > 1 ?
                 [picker(
-                    "judged by", "judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
+                    "judged by", "judged", sweep.conventions.map((c) => [c, `the ${c} primitive`]), judged,
                     (c) => goTo({ judged: c }))] :
                 []));
 }

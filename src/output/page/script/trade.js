@@ -1,4 +1,4 @@
-// Time against kept bits; a point is a form, and a click shows its map.
+// Time against kept bits. A point is a form, and a click shows its map.
 
 const tradeParts = {
     shown: ""
@@ -8,19 +8,19 @@ function plotTrade(trade, set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
     const best = (p) => !p.dominated, right = (p) => best(p) && p.wrong_fraction === 0;
-    // Full dots are on the front, and rightly; small rings are not.
+    // Full dots are on the front and never wrong; small rings are not.
     const kinds = [true, false].flatMap(
         (full) => ["f32", "f64"].map((format, k) => ({
                                          full,
                                          stroke: onPage(lineColours[k]),
                                          of: (p) => right(p) === full && p.format === format,
-                                         label: `${format}${full ? "" : ", not on the front, or sometimes wrong"}`
+                                         label: `${format}${full ? "" : ", not on the front or sometimes wrong"}`
                                      })));
     const dots = ({ full, stroke, label }) => ({
         ...{ label, stroke, fill: stroke, paths: () => null },
         points: { show: true, size: full ? 9 : 6, width: 1.5, stroke, fill: full ? stroke : ink("--page") }
     });
-    const front = { label: "the Pareto front", stroke: ink("--ink"), width: 1.25, spanGaps: true };
+    const front = { label: "Pareto front", stroke: ink("--ink"), width: 1.25, spanGaps: true };
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
     return new uPlot(
@@ -44,13 +44,16 @@ function plotTrade(trade, set) {
         [x, pick(best), ...kinds.map(({ of }) => pick(of))], tradeParts.element);
 }
 
-/** Names beside the points of the front, on no point and on no other name; what finds no place stays without. */
+/**
+ * Writes names beside the points of the front. A name covers no point and no other name; without free space it is
+ * omitted.
+ */
 function nameFront(plot) {
     const { ctx: context, bbox } = plot, k = devicePixelRatio, taken = [];
     const placed = tradeParts.points.map(
         (p) => ({ p, x: plot.valToPos(p.time_ns, "x", true), y: plot.valToPos(p.kept_bits, "y", true) }));
     for (const { x, y } of placed) taken.push([x - 6 * k, y - 6 * k, 12 * k, 12 * k]);
-    // Nor on the steps of the front: right, then up or down.
+    // Names do not cover the steps of the front either: right, then up or down.
     const front = placed.filter((q) => !q.p.dominated);
     front.slice(1).forEach(({ x, y }, i) => {
         const from = front[i];
@@ -67,7 +70,7 @@ function nameFront(plot) {
     tradeParts.named = [];
     for (const { p, x, y } of front) {
         const text = shortName(p), w = context.measureText(text).width + 4 * k, h = 14 * k;
-        // At a distance to the right, above, below and to the left, then askew.
+        // Try positions to the right, above, below and to the left, then diagonal ones, at growing distances.
         const boxes = [8, 20, 34, 50, 70].flatMap((away) => {
             const d = away * k, right = (d) => x + d, left = (d) => x - d - w, above = (d) => y - d - h,
                   below = (d) => y + d;
@@ -102,14 +105,14 @@ function pointUnder(plot) {
 
 function sayPoint(p) {
     tradeParts.under = p;
-    const wrong = p && p.wrong_fraction > 0 ? `, decides ${rounded(p.wrong_fraction)} of the rays wrongly` : "";
+    const wrong = p && p.wrong_fraction > 0 ? `, wrong on a share of ${rounded(p.wrong_fraction)} of the rays` : "";
     tradeParts.words.textContent = p ?
         `${p.form} in ${p.format}, ${p.registers}: ${rounded(p.time_ns)} ns per ray, keeps ${
-            rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or Enter, for its map" : ""}` :
+            rounded(p.kept_bits)} bits${wrong}${mapOf(p) ? "; click, or press Enter, for its map" : ""}` :
         "\u00a0";
 }
 
-/** The next point by time, with the cursor on it: for the keyboard. */
+/** Moves the cursor to the next point by time, for the keyboard. */
 function walkPoints(by) {
     const { points, plot, under } = tradeParts, last = points.length - 1;
     const next = under ? within(points.indexOf(under) + by, 0, last) : by > 0 ? 0 : last;
@@ -119,7 +122,7 @@ function walkPoints(by) {
 }
 
 const hasRow = (map, p) => map.rows.some((r) => r.form === p.form && r.format === p.format);
-/** The map that is shown where it has the point's form, otherwise the first that has. */
+/** The map that is shown if it has the point's form, otherwise the first map that has it. */
 const mapOf = (p) => (index.maps.length > 0 && hasRow(mapNow(), p) ? mapNow() : index.maps.find((m) => hasRow(m, p)));
 
 function showMapOf(p) {
