@@ -1,4 +1,4 @@
-// Affine maps of space over any number: what a matrix of three rows and four columns does to points and directions.
+// Affine maps of space over any number: a matrix of three rows and four columns, applied to points and directions.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@ struct Affine {
     std::array<Vec<T>, 3> rows;
     Vec<T> shift;
 
-    /// Of `number(0)` to `number(11)`: a matrix of three rows and four columns, row by row.
+    /// Makes the map from `number(0)` to `number(11)`: a matrix of three rows and four columns, row by row.
     template <class Numbers>
     static constexpr Affine of(const Numbers& number) {
         const auto row = [&number](std::size_t k) { return Vec<T>(number(k), number(k + 1), number(k + 2)); };
         return {{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
     }
-    /// The same numbers in the same order.
+    /// Hands over the same numbers in the same order.
     template <class Take>
     constexpr void each(const Take& take) const {
         for (int i = 0; i < 3; ++i) {

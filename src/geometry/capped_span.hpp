@@ -1,5 +1,4 @@
-// Where a line is inside of a surface of a quadratic that two planes cut off, over any number: cylinders and cones with
-// caps.
+// The part of a line inside a quadric surface that two planes cut off, over any number: cylinders and cones with caps.
 #pragma once
 
 #include <optional>
@@ -8,14 +7,15 @@
 
 namespace lostbits {
 
-/// Those t between two parallel planes, from `entry` to `exit`, at which P(t) = a t² + 2 h t + c ≤ 0, of a solid that
-/// is convex: they are one interval, though `a` may have any sign. Where P < 0 beyond both roots (a < 0: a line steeper
-/// than a cone, which meets its mirror image too) one of the two parts lies between the planes. The line enters by the
-/// plane at `entry` where P ≤ 0 there, or where P falls through 0, at (−h − √q)/a, and leaves likewise where it rises,
-/// at (−h + √q)/a. All is told by P and half of its slope at the planes, so that no root is taken to decide.
+/// The t between two parallel planes, from `entry` to `exit`, at which P(t) = a t² + 2 h t + c ≤ 0. The primitive is
+/// convex, so they form one interval, although `a` may have any sign. If P < 0 beyond both roots (a < 0: a line steeper
+/// than a cone, which also meets the mirror image of the cone), one of the two parts lies between the planes. The line
+/// enters by the plane at `entry` if P ≤ 0 there; otherwise it enters where P falls through 0, at (−h − √q)/a. Likewise
+/// it leaves by the plane at `exit`, or where P rises through 0, at (−h + √q)/a. P and half of its slope at the planes
+/// decide all of this, so no decision takes a root.
 ///
-/// A line beside the planes has −1/0 and 1/0 for entry and exit and a > 0, and `closed` and `open` say whether it is
-/// between them.
+/// A line parallel to the planes has −1/0 and 1/0 for entry and exit, and a > 0. `closed` and `open` then say if it
+/// runs between the planes.
 template <class T>
 struct CappedSpan {
     QuadraticSpan<T> side;
@@ -28,7 +28,7 @@ struct CappedSpan {
 
     static constexpr bool is_met_behind_touch = false;
 
-    /// Whether some point of the line lies in the closed and in the open solid: at a plane, or where P has its least.
+    /// True if some point of the line lies in the closed and in the open primitive: at a plane, or at the minimum of P.
     [[nodiscard]] mask_t<T> is_met() const {
         const T zero(0);
         const auto through = side.q >= zero;
@@ -41,9 +41,9 @@ struct CappedSpan {
         const auto met = at_entry.value < zero || at_exit.value < zero || (is_least_between() && through);
         return open && ((crossed && met) || (!crossed && through));
     }
-    /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid. At a
-    /// t behind `entry` with P > 0 it has left where it entered by the plane or is past the least P, which there is
-    /// only for a > 0; else it is yet to enter.
+    /// Compares entering and leaving with t (before, or no later), for a line that meets the closed primitive. If t is
+    /// past `entry` and P > 0, the line has left if it entered by the plane or if t is past the minimum of P, which
+    /// exists only for a > 0. Otherwise it has yet to enter.
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         const T zero(0);
@@ -64,7 +64,8 @@ struct CappedSpan {
             value >= zero && ((wide && slope >= zero) || (by_cap && from.at_most && (out || slope > zero)));
         return {out_behind || (crossed && to.less), on_or_behind || (crossed && to.at_most)};
     }
-    /// Whether it is a plane at which it enters, or leaves, where it meets the closed solid; of a rim either.
+    /// True if the line enters, or leaves, by a plane, for a line that meets the closed primitive. At a rim either
+    /// answer may come.
     [[nodiscard]] mask_t<T> enters_by_cap() const { return crossed && at_entry.value <= T(0); }
     [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
@@ -72,7 +73,7 @@ private:
     [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.slope < T(0) && at_exit.slope > T(0); }
 };
 
-/// Of the planes v·(p − base) = 0 and = v², where `low` is v·(o − base) and `across` v·d.
+/// Builds the span for the planes v·(p − base) = 0 and = v². `low` is v·(o − base), `across` is v·d.
 template <class T>
 CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across, const T& v2) {
     const T zero(0), one(1);
@@ -93,7 +94,7 @@ CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across
             .d2 = side.d2};
 }
 
-/// Both ends; nothing where it is not known by what it enters and leaves.
+/// Both ends; nothing if it is not known by which surface the line enters and leaves.
 template <Number T>
 std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
     if (!is_certain(s.is_met())) return std::nullopt;

@@ -1,4 +1,4 @@
-// The first root of a quartic behind a place, of many rays at once, and how far it can be off.
+// The first root of a quartic behind a point, for many rays at once, with a bound on its error.
 #pragma once
 
 #include "geometry/quartic_chain.hpp"
@@ -6,10 +6,10 @@
 
 namespace lostbits {
 
-/// Newton's steps behind the halving.
+/// Number of Newton steps after the bisection.
 inline constexpr int newton_steps = 4;
 
-/// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
+/// First root of f behind `begin`. It lies between `low` and `high`, where f changes sign; no root lies before `low`.
 template <class E>
 struct FirstRoot {
     mask_t<typename E::P> found, none;

@@ -1,4 +1,4 @@
-// Where a line crosses a surface without thickness, over any number: the span of a shape that has no inside.
+// The crossing of a line and a surface without thickness, over any number: the span of a shape that has no inside.
 #pragma once
 
 #include <optional>
@@ -7,27 +7,27 @@
 
 namespace lostbits {
 
-/// Whether a line crosses a surface there: the surface with its rims, and that without.
+/// A decision about a crossing: for the surface with its rims (closed), and without them (open).
 template <class Mask>
 struct SurfaceCrossing {
     Mask closed, open;
 };
 
-/// A span of a surface without an inside: its crossings in the order of t, each of which may not be one, and how each
-/// stands to a fraction.
+/// A span of a surface without an inside. It lists its candidate crossings in the order of t, and compares each with a
+/// fraction.
 template <class S, class T>
 concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
     S::crossings, s.crossing(0), s.order_to(0, t);
 };
 
-/// The one t at which a line crosses a flat piece of surface, and whether it does. A line beside its plane, or in it,
-/// crosses nothing: `closed` is no.
+/// The one t at which a line crosses a flat piece of surface, and whether it does. A line parallel to the plane, or in
+/// it, crosses nothing: `closed` is false.
 template <class T>
 struct FlatSpan {
     Fraction<T> at;    ///< n/m, m > 0 where the line crosses the plane
     mask_t<T> closed;  ///< it crosses the piece or its rim
-    mask_t<T> open;    ///< and not the rim
-    mask_t<T> front;   ///< it comes from the side that the normal points to, d·n < 0: known where it crosses
+    mask_t<T> open;    ///< it crosses the piece, not its rim
+    mask_t<T> front;   ///< it comes from the side that the normal points to, d·n < 0; known if it crosses
     T d2;              ///< d·d
 
     static constexpr int crossings = 1;
@@ -36,7 +36,7 @@ struct FlatSpan {
     [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
-/// Both ends are where it crosses; nothing where it is not known to.
+/// Both ends are the crossing; nothing if it is not known to cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const FlatSpan<T>& s) {
     if (!is_certain(s.closed)) return std::nullopt;

@@ -1,4 +1,4 @@
-// Where a line is inside of a convex solid that is joined of several surfaces of quadratics, over any number: capsules.
+// The part of a line inside a convex primitive made of several quadric surfaces, over any number: capsules.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 
 namespace lostbits {
 
-/// Those t from the near root of one quadratic to the far root of another, whichever of several they are: what a line
-/// enters and what it leaves, where it meets the solid. Where it does not, `enter` has no roots.
+/// The t from the near root of one quadratic (where the line enters) to the far root of another (where it leaves). If
+/// the line misses the primitive, `enter` has no roots.
 template <class T>
 struct JoinedSpan {
     QuadraticSpan<T> enter, leave;
@@ -16,10 +16,10 @@ struct JoinedSpan {
 
     static constexpr bool is_met_behind_touch = false;
 
-    /// Whether some point of the line lies in the closed and in the open solid.
+    /// True if some point of the line lies in the closed and in the open primitive.
     [[nodiscard]] mask_t<T> is_met() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
-    /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid.
+    /// Compares entering and leaving with t (before, or no later), for a line that meets the closed primitive.
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         return quadratic_at(enter, t).near_root();
@@ -36,7 +36,7 @@ QuadraticSpan<T> select(const mask_t<T>& mask, const QuadraticSpan<T>& a, const 
             select(mask, a.d2, b.d2)};
 }
 
-/// Both ends.
+/// Both ends of the interval.
 template <Number T>
 std::optional<Ends<T>> ends_of(const JoinedSpan<T>& s) {
     return Ends<T>{ends_of(s.enter)->near, ends_of(s.leave)->far};

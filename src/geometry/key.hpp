@@ -1,4 +1,4 @@
-// What a shape says of its numbers, from which every file, option and table that names them follows.
+// Names and limits of a shape's numbers. Every file, option and table that names these numbers is derived from them.
 #pragma once
 
 #include <array>
@@ -7,11 +7,10 @@
 
 namespace lostbits {
 
-/// One key of a solid, as a scene's file has it, in world units: a point, a direction, one length, or one length for
-/// each axis.
+/// One key of a primitive in a scene file, in world units: a point, a direction, one length, or one length per axis.
 struct Key {
     enum class Kind { point, direction, length, lengths };
-    /// What its numbers must be, beside finite.
+    /// A condition on the numbers, besides being finite.
     enum class Limit {
         none,
         positive,          ///< greater than 0
@@ -24,23 +23,23 @@ struct Key {
         apart_from_before  ///< a point that is not the key before it
     };
 
-    std::string_view name;    ///< `centre`: of TOML tables, paths and shaders
-    std::string_view letter;  ///< `c`: files of rays have cx, cy, cz, options CX,CY,CZ
+    std::string_view name;    ///< `centre`: used in TOML tables, paths and shaders
+    std::string_view letter;  ///< `c`: ray files have columns cx, cy, cz; options read CX,CY,CZ
     Kind kind = Kind::point;
     Limit limit = Limit::none;
-    std::array<std::string_view, 2> aliases = {};  ///< as other people write the name
-    bool optional = false;                         ///< 0 where it is left out
+    std::array<std::string_view, 2> aliases = {};  ///< other common spellings of the name
+    bool optional = false;                         ///< 0 if left out
 
     [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::length ? 1 : 3; }
     [[nodiscard]] constexpr bool is_length() const { return kind == Kind::length || kind == Kind::lengths; }
 };
 
-/// What texts call a shape and what can be seen of it.
+/// Words for a shape and for its special cases, for messages and texts.
 struct ShapeWords {
-    std::string_view plainest;  ///< the one that reaches 2 from the origin
+    std::string_view plainest;  ///< the simplest primitive: it reaches 2 from the origin
     std::string_view touching;  ///< a ray that only touches it
-    std::string_view point;     ///< one that is no larger than a point
-    std::string_view places;    ///< what its points are: the centres
+    std::string_view point;     ///< a primitive no larger than a point
+    std::string_view places;    ///< the name of its points: the centres
 };
 
 }  // namespace lostbits

@@ -1,4 +1,4 @@
-// Polynomials of degree four at most over any number, and how many real roots one has.
+// Polynomials of degree at most four over any number, and the number of their real roots.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace lostbits {
 
-/// −1, 0 or +1, or nothing where it is not known.
+/// Sign of a number: −1, 0 or +1; nothing if it is not known.
 template <class E>
 std::optional<int> known_sign(const E& x) {
     const auto told = [](const auto& mask) {
@@ -24,7 +24,7 @@ std::optional<int> known_sign(const E& x) {
     return std::nullopt;
 }
 
-/// c₀ + c₁ x + … + cₙ xⁿ. That of degree −1 is 0.
+/// c₀ + c₁ x + … + cₙ xⁿ. The zero polynomial has degree −1.
 template <class T>
 struct Polynomial {
     std::array<T, 5> c;
@@ -50,7 +50,7 @@ struct Polynomial {
     }
 };
 
-/// Without the powers whose coefficients are known to be 0 at the top; false where that is not known.
+/// Removes the leading powers whose coefficients are known to be 0; false if that is not known.
 template <class T>
 bool trim(Polynomial<T>& f) {
     for (; f.degree >= 0; --f.degree) {
@@ -61,15 +61,15 @@ bool trim(Polynomial<T>& f) {
     return true;
 }
 
-/// Numbers whose exponents end somewhere divide by leading coefficients: multiplied by them numbers of a polynomial
-/// soon are too large, and are good for no exact zero anyway.
+/// Selects division by leading coefficients for numbers whose exponents are limited. If such numbers were multiplied by
+/// them instead, the numbers of a polynomial would soon be too large. They cannot prove an exact zero anyway.
 template <class T>
 inline constexpr bool divides_polynomials = requires(const T& x) {
     x.hi();
 };
 
-/// What is left of f, and how often g goes into it, both times the same power of the leading coefficient of g, where
-/// nothing is divided. That of the rest is positive.
+/// Remainder of f divided by g, and the quotient. Without division, both are multiplied by the same power of the
+/// leading coefficient of g. The factor of the remainder is positive.
 template <class T>
 struct PolynomialDivision {
     Polynomial<T> quotient, rest;
@@ -96,21 +96,21 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
         }
     }
     d.rest.degree = g.degree - 1;
-    const bool odd = d.quotient.degree % 2 == 0;  // as many steps as the degree, and one
+    const bool odd = d.quotient.degree % 2 == 0;  // one step more than the difference of the degrees
     if (odd && known_sign(g.leading()) == -1) d.rest = -d.rest;
     return d;
 }
 
-/// How many real roots f has, each counted once, and what it has in common with its slope: of degree 0 where every root
-/// is simple.
+/// Number of distinct real roots of f, and the common divisor of f and its slope, which has degree 0 if every root is
+/// simple.
 template <class T>
 struct RootCount {
     int count;
     Polynomial<T> repeated;
 };
-/// By Sturm's theorem: the changes of sign in f, f′, −rest, −rest, … at −∞, less those at ∞. Nothing where a leading
-/// coefficient may or may not be 0. The first rest of n x⁴ + p x² + q x + r is (p x²)/2 + (3 q x)/4 + r; f has no other
-/// cubic term.
+/// Counts the roots by Sturm's theorem: the sign changes in f, f′, −remainder, −remainder, … at −∞, less those at ∞.
+/// Nothing if a leading coefficient may be 0 but is not known to be. The first remainder of n x⁴ + p x² + q x + r is (p
+/// x²)/2 + (3 q x)/4 + r; f must have no cubic term.
 template <class T>
 std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
     Polynomial<T> before = f, now = f.slope();

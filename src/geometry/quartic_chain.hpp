@@ -1,5 +1,5 @@
-// The signs along Sturm's chain of a quartic without a cubic term, and the first root behind a place by them: for packs
-// of rays, and for forms.
+// Signs along Sturm's chain of a quartic without a cubic term, and the first root behind a point found by them: for
+// packs of rays, and for forms.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace lostbits {
 
-/// Sturm's chain of f = n x⁴ + p x² + q x + r: f, f′, and what is left over and over, each times −1. With α = 3q/2p and
-/// β = 2r/p that is −2p (x² + α x + β), u x − v, and a number. Where p or u are 0 nothing is said.
+/// Sturm's chain of f = n x⁴ + p x² + q x + r: f, f′, and the successive remainders, each times −1. With α = 3q/2p and
+/// β = 2r/p the remainders are −2p (x² + α x + β), u x − v, and a number. If p or u is 0, the chain decides nothing.
 template <class T>
 struct QuarticChain {
     using Values = std::array<T, 5>;
@@ -37,8 +37,8 @@ private:
           last(T(2) * p * ((v / u + alpha) * (v / u) + beta)) {}
 };
 
-/// How often the sign changes along a chain: the roots between two places are as many as the changes at the first less
-/// those at the second.
+/// Number of sign changes along a chain. The number of roots between two points is the number of changes at the first
+/// less that at the second.
 template <class T>
 T sign_changes(const std::array<T, 5>& chain) {
     T count(0);
@@ -49,8 +49,8 @@ T sign_changes(const std::array<T, 5>& chain) {
     return count;
 }
 
-/// The signs of a chain of numbers with a bound but its last: how often they change, whether all are known, and whether
-/// that before the last is positive.
+/// Signs of a chain whose numbers, except the last, have bounds: how often they change, whether all are known, and
+/// whether the one before the last is positive.
 template <class E>
 struct Changes {
     typename E::P count;
@@ -72,8 +72,9 @@ Changes<E> changes_in(const std::array<E, 5>& chain) {
     return {count, known, before};
 }
 
-/// How many roots are proved to be behind a place and not behind another: none, or some. Where the numbers before the
-/// last have the same sign, that of the last makes no difference, be it 0.
+/// Proved statements about roots behind one point and not behind another: there are none, or there are some. If the
+/// numbers before the last have the same sign at both points, the sign of the last makes no difference, even if it is
+/// 0.
 template <class P>
 struct RootsBetween {
     mask_t<P> none, some;
@@ -87,8 +88,8 @@ RootsBetween<P> roots_between(const Changes<E>& a, const Changes<E>& b, const E&
     return {known && count <= P(0), known && count > P(0)};
 }
 
-/// Whether the first root behind a place with these changes is proved to lie between two numbers: f has different signs
-/// at them, no root lies before the lower, and no double one, at which u x − v is 0, between them.
+/// True if the first root behind a point with these changes is proved to lie between two numbers: f has different signs
+/// at them, no root lies before the lower one, and no double root (where u x − v is 0) lies between them.
 template <class E>
 mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const Changes<E>& from, const E& low, const E& high) {
     const E zero(0), behind = f.value(high), bend = f.u * high - f.v;
@@ -101,7 +102,7 @@ mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const Changes<E
     return turns && simple && roots_between(from, before, f.last).none;
 }
 
-/// A number near the first root behind `begin`, as the signs say: 24 times by halves, and by Newton's steps from there.
+/// Approximates the first root behind `begin` by the signs: 24 bisection steps, then Newton steps.
 template <class T>
 T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {
     const T from = sign_changes(chain.at(begin)), half = T(1) / T(2);
@@ -111,7 +112,7 @@ T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, 
         const auto none = sign_changes(chain.at(middle)) >= from;
         low = select(none, middle, low), high = select(none, high, middle);
     }
-    // A step that leads farther out than that is wide goes to another root, or is made of rounding.
+    // A step that leads further out than this width goes to another root, or consists of rounding errors.
     const T width = high - low, least = low - width, most = high + width;
     T x = half * (low + high);
     for (int i = 0; i < steps; ++i) {

@@ -1,4 +1,4 @@
-// Where a line is inside of a surface of degree four, over any number: tori.
+// The part of a line inside a surface of degree four, over any number: tori.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace lostbits {
 
-/// Those t at which f(x) ≤ 0, x = a t + b and f = n x⁴ + p x² + q x + r with n, a > 0: none, one stretch, or two. Its
-/// real roots lie within ±bound.
+/// The t at which f(x) ≤ 0, with x = a t + b and f = n x⁴ + p x² + q x + r, where n, a > 0: no interval, one, or two.
+/// The real roots of f lie within ±bound.
 template <class T>
 struct QuarticSpan {
     Polynomial<T> f;
@@ -18,12 +18,12 @@ struct QuarticSpan {
 
     static constexpr bool is_met_behind_touch = true;
 
-    /// x at t = n/m, m > 0.
+    /// Value of x at t = n/m, m > 0.
     [[nodiscard]] T place(const T& t) const { return a * t + b; }
     [[nodiscard]] T time(const T& x) const { return (x - b) / a; }
 };
 
-/// The first stretch that does not end before t = 0, or the last; nothing where none is known.
+/// First interval that does not end before t = 0, or else the last; nothing if none is known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const QuarticSpan<T>& s) {
     std::array<T, 4> crossings;

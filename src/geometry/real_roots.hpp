@@ -1,4 +1,4 @@
-// The real roots of a polynomial of degree four at most: near them in any arithmetic, and enclosed with a proof.
+// Real roots of a polynomial of degree at most four: approximated in any arithmetic, and enclosed with a proof.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace lostbits {
 inline double middle(double x) { return x; }
 inline int precision_of(double) { return 53; }
 
-/// At most four numbers in rising order.
+/// At most four numbers in ascending order.
 template <class T>
 struct NearRoots {
     std::array<T, 4> x;
@@ -19,7 +19,7 @@ struct NearRoots {
     void add(const T& root) { x[static_cast<std::size_t>(count++)] = root; }
 };
 
-/// Where f changes its sign between two numbers, by Newton's method, and by halves where that leads out.
+/// Finds the sign change of f between two numbers by Newton's method; bisects if a Newton step leaves the interval.
 template <class A>
 A near_root(const Polynomial<A>& f, A low, A high) {
     const Polynomial<A> slope = f.slope();
@@ -42,8 +42,8 @@ A near_root(const Polynomial<A>& f, A low, A high) {
     return x;
 }
 
-/// Numbers near the roots within ±bound at which f changes its sign, by the same of its slope: between two neighbours
-/// of those there is one, or none.
+/// Approximates the roots within ±bound at which f changes sign. They lie between neighbouring such roots of its slope:
+/// one between two neighbours, or none.
 template <class A>
 NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
     NearRoots<A> turns, roots;
@@ -60,8 +60,8 @@ NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
     return roots;
 }
 
-/// A root between two points, the only one there, whether the polynomial changes its sign at it, and its sign behind
-/// it.
+/// An interval that holds exactly one root. `crosses` says if the polynomial changes sign at the root; `behind` is its
+/// sign behind it.
 template <class E>
 struct EnclosedRoot {
     E low, high, root;
@@ -69,7 +69,7 @@ struct EnclosedRoot {
     int behind;
 };
 
-/// All real roots of f, in order, and a polynomial that has each of them once.
+/// All real roots of f in order, and a polynomial that has each of them once.
 template <class E>
 struct EnclosedRoots {
     Polynomial<E> f, simple;
@@ -77,8 +77,8 @@ struct EnclosedRoots {
     int count = 0;
 
     [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
-    /// How root i stands to a point x: −1 below, 0 at, +1 above it; nothing where that is not known. `against(p)` is
-    /// the sign of p − x, and `value` that of `simple` at x: between the roots beside it a change of that is root i.
+    /// Compares root i with a point x: −1 below, 0 at, +1 above it; nothing if that is not known. `against(p)` is the
+    /// sign of p − x. `value` is the sign of `simple` at x: between the neighbouring roots it changes only at root i.
     template <class Against, class Value>
     [[nodiscard]] std::optional<int> order(int i, const Against& against, const Value& value) const {
         const auto is = [](const std::optional<int>& sign, int wanted) { return sign && *sign * wanted >= 0; };
@@ -100,8 +100,8 @@ struct EnclosedRoots {
 
 namespace detail {
 
-/// f as the numbers are looked for in: of balls in double, which is enough of a start for most; of numbers of a
-/// precision that can be chosen in 192 bits, of which each of Newton's steps makes twice as many.
+/// f in the arithmetic of the search for approximations. Balls search in double, which is a good enough start for most
+/// roots. Numbers of selectable precision search in 192 bits; each Newton step doubles the number of correct bits.
 template <class E>
 NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
     if constexpr (requires { bound.hi(); }) {
@@ -135,8 +135,9 @@ NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
     }
 }
 
-/// Around a number near a root of f: as far as eight times what Newton's step is at most: f there is known to be other
-/// than 0. Of a number that is one, as far as half of the bits go, and the root is known without an error.
+/// Encloses a root near an approximation. The interval extends to eight times the largest possible Newton step, where f
+/// is known to differ from 0. If the approximation is itself a root, it extends to bound·2^(−half of the bits), and the
+/// root is known without error.
 template <class E>
 EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, const E& bound) {
     for (int i = 0; i < 2; ++i) {
@@ -151,7 +152,7 @@ EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, 
     return {low, high, exact ? x : between(low, high), true, 1};
 }
 
-/// The roots from numbers near them, where each is proved to be between two points.
+/// Encloses the roots near their approximations; each is proved to lie between two points.
 template <class E>
 std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, EnclosedRoots<E> roots, bool are_simple,
                                               const E& bound) {
@@ -164,8 +165,8 @@ std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, Enclosed
         if (!before || !behind || *before * *behind >= 0) return std::nullopt;
         if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
     }
-    // The sign behind the last is that of the leading coefficient, and half way to the next root it is known where that
-    // of f beside a double root, the square of a small number, is not.
+    // The sign behind the last root is that of the leading coefficient. Half way to the next root the sign is known,
+    // even if the sign of f beside a double root, the square of a small number, is not.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
         root.behind = sign;
@@ -182,9 +183,9 @@ std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, Enclosed
 
 }  // namespace detail
 
-/// Of a polynomial all of whose real roots lie within ±bound. There are as many as Sturm's theorem says, and each is
-/// between two points, no two of which are beside the same root, where f over what it has in common with its slope
-/// changes its sign. Nothing where these numbers are not close enough to prove that; f has no cubic term.
+/// Encloses all real roots of a polynomial; they must lie within ±bound. Their number follows from Sturm's theorem.
+/// Each lies between two points, and no two intervals hold the same root: f divided by its common divisor with its
+/// slope changes sign in each. Nothing if these numbers are not close enough to prove that. f must have no cubic term.
 template <class E>
 std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& bound) {
     const auto counted = count_roots(f);

@@ -6,7 +6,7 @@
 
 namespace lostbits {
 
-/// One operation of a program: its steps are those of the function for packs.
+/// Records the search as one operation of a program; its steps are those of the function for packs.
 inline number::wide::ColumnWord near_first_root(const QuarticChain<number::wide::ColumnWord>& chain,
                                                 const number::wide::ColumnWord& begin,
                                                 const number::wide::ColumnWord& bound, int /*steps*/) {

@@ -1,4 +1,4 @@
-// Bounds of roundings, as they are published: for forms and for offsets.
+// Published bounds on rounding errors: for forms and for offsets.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -13,7 +13,7 @@ T gamma_bound(int n) {
     return nu / (T(1) - nu);
 }
 
-/// A point near a surface, and the bound δ of how far each of its components is off.
+/// A point near a surface, and a bound δ on the error of each of its components.
 template <class T>
 struct BoundedPoint {
     Vec<T> p, delta;

@@ -1,5 +1,5 @@
-// Where a line o + t d is inside of a solid, over any number: what the truth of every shape is made from. A shape says
-// which of these its span is and what stands in it; all that is asked of one is asked of these.
+// The part of a line o + t d inside a primitive, over any number. The truth of every shape is built from it. A shape
+// chooses one of these spans and fills in its coefficients; all questions are answered by the span.
 #pragma once
 
 #include <array>
@@ -13,39 +13,39 @@
 
 namespace lostbits {
 
-/// Whether a mask is certain to hold; of a number that always tells, whether it holds.
+/// True if a mask is certain to hold. For numbers that always decide: true if it holds.
 inline constexpr bool is_certain(bool mask) { return mask; }
 inline constexpr bool is_certain(Tri mask) { return mask.is_yes(); }
 
-/// `act(i)` for each axis, with i a constant: the packs of a loop would go through memory.
+/// Calls `act(i)` for each axis, with i a constant: in a loop, packs would go through memory.
 template <class Act>
 constexpr void for_each_axis(const Act& act) {
     act(std::integral_constant<int, 0>{}), act(std::integral_constant<int, 1>{}), act(std::integral_constant<int, 2>{});
 }
 
-/// Those t at which a t² + 2 h t + c ≤ 0: between (−h ∓ √q)/a, with q = h² − a c in the form that subtracts least. What
-/// is met is the surface, c(o) = 0. `a` is positive.
+/// The t at which a t² + 2 h t + c ≤ 0: between (−h ∓ √q)/a, with q = h² − a c in the form that subtracts least. The
+/// surface is c(o) = 0; `a` is positive.
 template <class T>
 struct QuadraticSpan {
     T h, c, a, q;
     T d2;  ///< d·d
 
-    /// Whether a ray that only touches it may meet it behind that. Every span says so of itself.
+    /// True if a ray that only touches the surface may meet it again behind that point. Every span defines it.
     static constexpr bool is_met_behind_touch = false;
 };
 
-/// a b against c d. Numbers that know a shorter way have their own.
+/// Compares a b with c d. Numbers that have a shorter way overload it.
 template <Number T>
 Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& d) {
     const T x = a * b, y = c * d;
     return {x < y, x <= y};
 }
 
-/// t = 0, where a ray begins: what is asked of it takes no product.
+/// t = 0, where a ray begins: comparisons with it need no product.
 struct Start {};
 
-/// n/m, m ≥ 0. Fractions are compared by n₁ m₂ against n₂ m₁: of equal fractions these become the same number at some
-/// precision, which the quotients need not.
+/// n/m, m ≥ 0. Fractions are compared by n₁ m₂ and n₂ m₁: for equal fractions these become the same number at some
+/// precision, which need not happen with the quotients.
 template <class T>
 struct Fraction {
     T n;
@@ -60,20 +60,20 @@ struct Fraction {
     }
 };
 
-/// What slabs leave of the line: those t that are at least every `entry` and at most every `exit`. A slab that the line
-/// does not cross has −1/0 and 1/0 there. And what no t changes, for the closed and the open solid.
+/// The part of the line inside all slabs: the t that are at least every `entry` and at most every `exit`. A slab that
+/// the line does not cross has −1/0 and 1/0 there. `closed` and `open` hold the conditions that do not depend on t.
 template <class T>
 struct SlabSpan {
     std::array<Fraction<T>, 3> entry, exit;
     std::array<mask_t<T>, 3> crossed;
     mask_t<T> closed;  ///< o lies in each slab that the line does not cross
-    mask_t<T> open;    ///< o lies in the open one, and no slab is without thickness
+    mask_t<T> open;    ///< o lies in each such open slab, and every slab has thickness
     T d2;              ///< d·d
 
     static constexpr bool is_met_behind_touch = false;
 };
 
-/// A range as spans are held against it: its end is 1/0 where it has none.
+/// A range as spans are compared with it: a missing end is 1/0.
 template <class T>
 struct RangeOfSpan {
     T begin;
@@ -81,7 +81,7 @@ struct RangeOfSpan {
     OpenEnds open;
 };
 
-/// Whether what stands so to the end of a range is in it.
+/// True if a point that compares so with the end of a range is in the range.
 template <class Mask, class T>
 Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
@@ -92,8 +92,8 @@ template <class T>
 struct QuadraticAt {
     T value, slope;
 
-    /// How the roots stand to t where there are any: the near one comes before t where P(t) < 0 or the slope is
-    /// positive, the far one where P(t) and the slope are; and so on with equality.
+    /// Compares the roots with t, if there are any. The near root comes before t if P(t) < 0 or the slope is positive;
+    /// the far root if both P(t) and the slope are positive. The same holds with equality included.
     [[nodiscard]] Order<mask_t<T>> near_root() const {
         const T zero(0);
         return {value < zero || slope > zero, value <= zero || slope >= zero};
@@ -118,19 +118,19 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
     return {(slope + h) * t.n + s.c * square(t.m), slope};
 }
 
-/// Whether some t of a range lies in the closed and in the open solid. With a the largest entry and b the smallest
-/// exit, the line is in the closed solid for a ≤ t ≤ b and in the open one for a < t < b, so that for a range that
-/// holds any t
+/// True if some t of a range lies in the closed and in the open primitive. Let a be the largest entry and b the
+/// smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the open one for a < t < b. For a range that
+/// holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
-/// with < of the closed one too at an end that is open (where a < 0 = tmax the origin is inside). Each inequality
-/// between a largest and a smallest is the conjunction of those between all, so neither needs to be known; entry and
-/// exit of one axis are in the order of lo and hi.
+/// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Each inequality between a
+/// largest and a smallest is the conjunction of those between all, so neither needs to be known. Entry and exit of one
+/// axis are in the order of lo and hi.
 template <class T>
 struct InSlabs {
     mask_t<T> closed, open;
 };
 
-/// Of all that lies ahead.
+/// The same for everything ahead of the origin.
 template <class T>
 InSlabs<T> in_slabs(const SlabSpan<T>& s) {
     const T zero(0);
@@ -164,7 +164,7 @@ InSlabs<T> in_slabs(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     return in;
 }
 
-/// The largest entry, or 0/1 where none is positive; of equal ones the first.
+/// Largest entry, or 0/1 if none is positive; of equal entries the first.
 template <class T>
 Fraction<T> first_entry(const SlabSpan<T>& s) {
     const T zero(0);
@@ -177,7 +177,7 @@ Fraction<T> first_entry(const SlabSpan<T>& s) {
     return first;
 }
 
-/// The largest entry, or where the range begins where none comes later; of equal ones the first.
+/// Largest entry, or the beginning of the range if no entry is later; of equal entries the first.
 template <class T>
 Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     Fraction<T> first{range.begin, T(1)};
@@ -185,7 +185,7 @@ Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     return first;
 }
 
-/// Whether every entry comes before the range begins, or no later.
+/// True if every entry comes before the beginning of the range, or no later.
 template <class T>
 Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     const auto to_begin = [&](const Fraction<T>& entry) { return order_of(entry, Fraction<T>{range.begin, T(1)}); };
@@ -193,7 +193,7 @@ Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& ra
     return {x.less && y.less && z.less, x.at_most && y.at_most && z.at_most};
 }
 
-/// The smallest exit; of equal ones the first.
+/// Smallest exit; of equal exits the first.
 template <Number T>
 Fraction<T> first_exit(const SlabSpan<T>& s) {
     Fraction<T> first = s.exit[0];
@@ -201,14 +201,14 @@ Fraction<T> first_exit(const SlabSpan<T>& s) {
     return first;
 }
 
-/// A span of a solid that tells whether the line meets it (the closed and the open one), and how entering and leaving
-/// stand to a fraction.
+/// A span of a primitive. It says if the line meets the closed and the open primitive, and compares entering and
+/// leaving with a fraction.
 template <class S, class T>
 concept ToldSpan = requires(const S& s, const Fraction<T>& t) {
     s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
 };
 
-/// Where a line enters and leaves: near ≤ far where it meets the solid.
+/// Entry and exit of a line: near ≤ far if it meets the primitive.
 template <class T>
 struct Ends {
     T near, far;
@@ -220,8 +220,8 @@ std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
     return Ends<T>{(-s.h - root) / s.a, (root - s.h) / s.a};
 }
 
-/// The largest entry and the smallest exit, of two that cannot be told apart both; nothing where no slab is crossed,
-/// or where the line is not known to be in each of the others.
+/// Largest entry and smallest exit, joined if two cannot be told apart. Nothing if the line crosses no slab, or is not
+/// known to be inside each slab that it does not cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     std::optional<Ends<T>> ends;

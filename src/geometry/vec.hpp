@@ -52,14 +52,14 @@ Vec<T> unit_of(const Vec<T>& v) {
     return Vec<T>(v.x / size, v.y / size, v.z / size);
 }
 
-/// Each component is called that.
+/// Gives each component this name.
 template <Number T>
 const Vec<T>& named(std::string_view label, const Vec<T>& v) {
     named(label, v.x), named(label, v.y), named(label, v.z);
     return v;
 }
 
-/// Two vectors across v and across each other, of length one. v must not be 0.
+/// Two unit vectors perpendicular to v and to each other. v must not be 0.
 template <class T>
 struct AcrossAxis {
     Vec<T> side, other;
@@ -68,7 +68,7 @@ struct AcrossAxis {
 
 private:
     static Vec<T> unit(const Vec<T>& v) { return (T(1) / length(v)) * v; }
-    /// The axis in which v is least.
+    /// Unit vector of the axis in which v is smallest.
     static Vec<T> along_least(const Vec<T>& v) {
         const T x = abs(v.x), y = abs(v.y), z = abs(v.z);
         return Vec<T>(x <= y && x <= z ? T(1) : T(0), y < x && y <= z ? T(1) : T(0), z < x && z < y ? T(1) : T(0));

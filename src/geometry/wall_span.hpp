@@ -1,4 +1,4 @@
-// Where a line crosses a surface of a quadratic that two planes cut off and no cap closes, over any number: tubes.
+// The crossings of a line and a quadric surface that two planes cut off and no cap closes, over any number: tubes.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace lostbits {
 
-/// The near and the far root of a quadratic, a > 0, each where it lies between the planes of a solid with caps. There
-/// is no inside: a line may come in by one open end, meet the far side alone, or nothing. A line beside the axis meets
-/// nothing, not even within the wall.
+/// The near and the far root of a quadratic, a > 0. Each counts if it lies between the planes of the capped primitive.
+/// There is no inside: a line may come in by an open end and meet the far side alone, or meet nothing. A line parallel
+/// to the axis meets nothing, even within the wall.
 template <class T>
 struct WallSpan {
     CappedSpan<T> solid;
@@ -28,7 +28,7 @@ struct WallSpan {
         return {curved && closed && side.q >= zero && !from.less && to.at_most,
                 curved && open && side.q > zero && !from.at_most && to.less};
     }
-    /// How a root stands to t.
+    /// Compares a root with t.
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> order_to(int i, const At& t) const {
         const auto at = quadratic_at(solid.side, t);
@@ -36,7 +36,7 @@ struct WallSpan {
     }
 };
 
-/// The first and the last t at which it crosses; nothing where these are not known.
+/// First and last t at which it crosses; nothing if these are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const WallSpan<T>& s) {
     const auto near_met = s.crossing(0).closed, far_met = s.crossing(1).closed;

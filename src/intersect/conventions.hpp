@@ -1,5 +1,5 @@
-// The right answer where geometry leaves it open, kind by kind: the one table of conventions. Contracts are refused by
-// it, docs/truth.md shows it, and a test holds the truth against it in every combination of properties.
+// The right answer in the cases that geometry leaves open, one by one: the only table of conventions. Contracts are
+// refused by it, docs/truth.md shows it, and a test compares the truth with it in every combination of properties.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@
 
 namespace lostbits::intersect {
 
-/// How a ray stands to a primitive where a property of the contract decides. A ray on a surface begins there.
+/// The position of a ray relative to a primitive, where a property of the contract decides. "On the surface" means that
+/// the ray begins there.
 enum class Situation : std::uint8_t {
     inside,    ///< begins inside
     entering,  ///< begins on the surface and goes in; through a flat piece; toward the axis of a tube
@@ -28,23 +29,24 @@ inline constexpr std::array all_situations{Situation::inside,  Situation::enteri
                                            Situation::tangent, Situation::along,    Situation::touching,
                                            Situation::ending};
 
-/// `ahead` is the next place, beyond the origin, where the ray meets or leaves the primitive; `none`: no such ray.
+/// `ahead` is the next point, beyond the origin, at which the ray meets or leaves the primitive; `none`: no such ray.
 enum class RightAnswer : std::uint8_t { origin, ahead, miss, none };
 inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss", "-"};
 
-/// Whether a ray from inside gets 0.
+/// True if the answer is 0 for a ray from inside.
 constexpr bool answers_0_inside(Shape shape, Inside inside) {
     return inside == Inside::zero || (inside == Inside::usual && zero_inside(shape));
 }
 
 namespace detail {
 
-/// On the surface, by the property on the origin: an entry, an exit, both at once (a flat piece, a touch).
+/// Answer on the surface, by the property on the origin: for an entry, an exit, or both at once (a flat piece, a
+/// touch).
 constexpr RightAnswer at_surface(AtOrigin said, bool is_exit, RightAnswer behind) {
     return said == AtOrigin::hit || (said == AtOrigin::exit && is_exit) ? RightAnswer::origin : behind;
 }
 
-/// Whether a line may run along the surface.
+/// True if a line may run along the surface.
 constexpr bool has_straight_parts(Shape shape) {
     return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone || shape == Shape::capsule;
 }
@@ -66,7 +68,8 @@ constexpr RightAnswer right_on_surface(Shape shape, Situation of, const Conventi
 
 }  // namespace detail
 
-/// The right answer by a convention, of a primitive that has nothing more behind (a tube and a torus may have).
+/// The right answer by a convention, if the ray meets nothing of the primitive further on (with a tube or a torus it
+/// may).
 constexpr RightAnswer right_answer(Shape shape, Situation of, const Convention& asked) {
     const bool opened = asked.touching == Touching::miss;
     switch (of) {
@@ -92,7 +95,8 @@ constexpr RightAnswer right_answer(Shape shape, Situation of, const Convention& 
     return detail::right_on_surface(shape, of, asked);
 }
 
-/// Whether the property on the origin changes any answer of a primitive, where that from inside is `inside`.
+/// True if the property on the origin changes any answer about a primitive when the property for rays from inside is
+/// `inside`.
 constexpr bool origin_matters(Shape shape, Inside inside) {
     for (const Situation of : all_situations) {
         Convention asked;
@@ -106,7 +110,7 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
     return false;
 }
 
-/// InputError where the property on the origin is given and changes no answer of a primitive; `from` begins the
+/// Throws InputError if the property on the origin is given and changes no answer about a primitive; `from` begins the
 /// message.
 inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& from) {
     if (at_origin == AtOrigin::hit || !is_solid(shape) || origin_matters(shape, inside)) return;
@@ -116,9 +120,9 @@ inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const
         "say inside = exit or miss");
 }
 
-/// Whether a form tells the next crossing where the range of a ray leaves its first one out: it tells both roots, or is
-/// told the range itself. One that tells a single root loses what lies behind it; what answers for all points inside,
-/// and a surface that a line crosses once, has no next crossing to lose.
+/// True if a form yields the next crossing when the range of a ray excludes its first one: it yields both roots, or it
+/// takes the range itself. A form of a single root loses the crossings behind it. A form that answers for all points
+/// inside, and a surface that a line crosses once, have no next crossing to lose.
 constexpr bool tells_next_crossing(const Info& info, Shape shape) {
     return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || told_end(shape);
 }

@@ -1,4 +1,4 @@
-// Sphere tracing: the constants that a march is given, and what it leaves beside its answer.
+// Sphere tracing: the constants of a march, and its record beside its answer.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace lostbits::intersect {
 
-/// The constants of a march, numbers of the arithmetic it runs in. Lengths are in world units, and t is one of them:
-/// the forms that march are given unit directions. Which form reads which: see each form.
+/// The constants of a march, numbers of the arithmetic in which it runs. Lengths are in world units, and so is t: forms
+/// that march are given unit directions. Each form says which constants it reads.
 template <class S>
 struct MarchConstants {
     S hit_eps;              ///< a field below it is a hit
@@ -26,7 +26,7 @@ struct MarchConstants {
 inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "max_dist", "relative_eps", "cone",
                                                                     "over_relaxation"};
 
-/// Each number through `lift`, in order; the counts are the same in any arithmetic.
+/// Passes each number through `lift`, in order; the counts are the same in any arithmetic.
 template <class S, class Lift>
 auto transformed(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
@@ -40,7 +40,7 @@ auto transformed(const MarchConstants<S>& c, Lift lift) {
                              .bisect_steps = c.bisect_steps};
 }
 
-/// Why a march ended; where two hold, the one that stands first here.
+/// The reason why a march ended; if two hold, the one listed first.
 ///
 ///   hit         the form answers a hit.
 ///   max_dist    the step after the last sample led beyond max_dist. A step that does so after sample max_steps counts.
@@ -52,11 +52,11 @@ enum class Stop : std::uint8_t { hit, max_dist, max_steps, stagnated };
 
 inline constexpr std::array<std::string_view, 4> stop_names{"hit", "max_dist", "max_steps", "stagnated"};
 
-/// What is kept of a march beside its answer.
+/// Record of a march beside its answer.
 struct MarchRecord {
     int iterations = 0;  ///< samples of the field on the way; those of a refinement are not counted
     Stop stop = Stop::max_steps;
-    double least = 0;    ///< the smallest |field| sampled on the way; NaN where every sample was
+    double least = 0;    ///< the smallest |field| sampled on the way; NaN if every sample was NaN
     double deepest = 0;  ///< the smallest field, with its sign: below zero the march went through the surface
 };
 

@@ -1,4 +1,4 @@
-// What is seen of a march while it runs, in the arithmetics whose comparisons are decided.
+// Observation of a march while it runs, in arithmetics whose comparisons are decided.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ bool is_same(const Vec<T>& a, const Vec<T>& b) {
     return is_same(a.x, b.x) && is_same(a.y, b.y) && is_same(a.z, b.z);
 }
 
-/// The last sample, the step after it, and so why the march ended.
+/// Keeps the last sample and the step after it, which tell why the march ended.
 template <class T>
 class LastStep {
 public:

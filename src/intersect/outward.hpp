@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect {
 
-/// [lo, hi] over the number under test. In exact arithmetic, where numbers have no neighbours, lo = hi = the value.
+/// [lo, hi] over the number under test. In exact arithmetic, whose numbers have no neighbours, lo = hi = the value.
 template <Number T>
 struct Outward {
     T lo;
@@ -26,7 +26,7 @@ struct Outward {
         const T p = a.lo * b.lo, q = a.hi * b.lo, r = a.lo * b.hi, s = a.hi * b.hi;
         return {next_down(min(min(p, q), min(r, s))), next_up(max(max(p, q), max(r, s)))};
     }
-    /// Where b contains zero the quotient is the whole line, (-1/0, 1/0).
+    /// If b contains zero, the quotient is the whole line, (-1/0, 1/0).
     friend Outward operator/(const Outward& a, const Outward& b) {
         const mask_t<T> has_zero = b.lo <= T(0) && b.hi >= T(0);
         const T p = a.lo / b.lo, q = a.hi / b.lo, r = a.lo / b.hi, s = a.hi / b.hi;
@@ -36,7 +36,7 @@ struct Outward {
     /// A sum of squares can have a lower bound just below zero, whose root is NaN; `max` then answers 0, as pbrt's
     /// max(0, NextFloatDown(sqrt(x))) does.
     friend Outward sqrt(const Outward& a) { return {max(next_down(sqrt(a.lo)), T(0)), next_up(sqrt(a.hi))}; }
-    /// x² ≥ 0 for every x, which a product of two equal intervals would not know.
+    /// x² ≥ 0 for every x; a product of two equal intervals would not know that.
     friend Outward square(const Outward& a) {
         const T low = abs(a.lo), high = abs(a.hi);
         const mask_t<T> has_zero = a.lo <= T(0) && a.hi >= T(0);

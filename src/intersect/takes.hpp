@@ -26,7 +26,7 @@ inline constexpr Shape shape_of = [] {
     return found;
 }();
 
-/// Whether the form marches a field of all solids together.
+/// True if the form marches a field of all primitives together.
 template <class Form>
 inline constexpr bool marches = !is_solid(shape_of<Form>);
 

@@ -1,4 +1,4 @@
-// What a form says of itself beside its answer: in which arithmetic it settled a ray, and how far off it may be.
+// The arithmetic in which a form settled a ray, and the bound on its error: reports beside the answer.
 #pragma once
 
 #include <array>
@@ -27,7 +27,8 @@ struct NoWatch {
 };
 
 /// A form's answer over `Bounded`: its decision and t, to the bit those of the format; whether the bounds prove the
-/// decision; and what t can differ from that of the same formula without rounding, infinity where nothing is known.
+/// decision; and a bound on the distance of t from that of the same formula without rounding, infinity if nothing is
+/// known.
 struct BoundedAnswer {
     bool hit, proved;
     double t, error;

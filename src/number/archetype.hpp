@@ -1,5 +1,5 @@
-// Archetype: does this formula obey the rules? The smallest legal number. Never run, only compiled against: an
-// `if` on a mask, a double literal, a libm call or a default-constructed value in a formula does not compile.
+// Archetype: the smallest legal number, which checks that a formula obeys the rules. It is only compiled against, never
+// run: an `if` on a mask, a double literal, a libm call or a default-constructed value in a formula does not compile.
 #pragma once
 
 #include "number/concept.hpp"
@@ -21,7 +21,7 @@ public:
     };
 
     explicit Archetype(int);
-    Archetype(double) = delete;  // constants are of whole numbers: write T(1) / T(2) for 0.5
+    Archetype(double) = delete;  // constants are whole numbers: write T(1) / T(2) for 0.5
     Archetype(float) = delete;
 
     Archetype& operator+=(const Archetype&);

@@ -1,5 +1,5 @@
-// Ball: what is certainly true, at about 100 bits and at the price of a few dozen double operations.
-// Midpoint in double-double, radius in double. It answers most rays; where it cannot, `Interval` does.
+// Ball: an enclosure of the exact value with about 100 bits, at the cost of a few dozen double operations. Its midpoint
+// is a double-double, its radius a double. It answers most rays; `Interval` answers the rest.
 #pragma once
 
 #include "number/concept.hpp"
@@ -101,7 +101,7 @@ public:
     }
     friend Ball copysign(const Ball& a, const Ball& b) {
         const Tri negative = b < Ball(0);
-        // `negative` is a plain no where b is NaN for certain, and NaN's sign is anyone's.
+        // `negative` is a plain no if b is certainly NaN; the sign of a NaN may be either.
         if (negative.is_unknown() || b.is_zero() || !b.is_bounded()) return unknown();
         return negative.is_yes() ? -abs(a) : abs(a);
     }
@@ -114,8 +114,8 @@ public:
     }
     friend Tri operator>(const Ball& a, const Ball& b) { return b < a; }
     friend Tri operator>=(const Ball& a, const Ball& b) { return b <= a; }
-    /// A ball around both sides where the mask is undecided: with the midpoint of a, its radius is
-    /// |b − a| + radius(a) + radius(b), which holds the points of either.
+    /// Encloses both sides if the mask is undecided: with the midpoint of a and the radius |b − a| + radius(a) +
+    /// radius(b), which holds the points of either.
     friend Ball select(Tri mask, const Ball& a, const Ball& b) {
         if (!mask.is_unknown()) return mask.is_yes() ? a : b;
         const bool same = a.hi_ == b.hi_ && a.lo_ == b.lo_ && a.radius_ == b.radius_ && a.undefined_ == b.undefined_;
@@ -134,7 +134,7 @@ private:
     static constexpr double inflate = 1 + 0x1p-45;
     static constexpr double smallest_radius = 0x1p-960;
 
-    // Below 2^1000, so that radii, too, have room.
+    // Below 2^1000, so that radii do not overflow either.
     static constexpr double largest = 0x1p+900;
     static bool in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest; }
     static bool are_points(const Ball& a, const Ball& b) { return a.radius_ == 0 && b.radius_ == 0; }
@@ -162,8 +162,8 @@ private:
     Undefined undefined_ = Undefined::never;
 };
 
-/// A point of a ball, the ball of two points, the largest size in a ball as a point, and how many bits one is good for:
-/// what looks for roots in enclosures asks for these.
+/// Root searches in enclosures need these: a point of a ball, the ball of two points, the largest magnitude in a ball
+/// as a point, and the number of bits that a ball has.
 inline Ball middle(const Ball& x) { return {x.hi(), x.lo(), 0}; }
 inline Ball between(const Ball& low, const Ball& high) {
     const Ball m = middle(Ball(0.5) * (low + high)), half = high - m, other = m - low;

@@ -1,4 +1,4 @@
-// Bounded: how wrong can it be, by its own account? A number of a format and a bound on its error, in the same format.
+// Bounded: a number of a format and a bound on its error in the same format, computed by running error analysis.
 #pragma once
 
 #include <limits>
@@ -15,34 +15,36 @@ public:
     [[nodiscard]] constexpr bool value() const { return value_; }
     [[nodiscard]] constexpr bool is_proved() const { return proved_; }
 
-    /// A proved no makes a no of both, whatever the other is.
+    /// A false operand that is proved proves the conjunction false, whatever the other is.
     friend constexpr BoundedMask operator&&(const BoundedMask& a, const BoundedMask& b) {
         return {a.value_ && b.value_, (a.proved_ && b.proved_) || (a.proved_ && !a.value_) || (b.proved_ && !b.value_)};
     }
     friend constexpr BoundedMask operator!(const BoundedMask& a) { return {!a.value_, a.proved_}; }
     friend constexpr BoundedMask operator||(const BoundedMask& a, const BoundedMask& b) { return !(!a && !b); }
-    /// Whether a loop must go on, or a way be taken that `select` may join: by the values, or perhaps without rounding.
+    /// True if a loop must go on, or if a branch that `select` may join must be taken: by the values, or perhaps
+    /// without rounding.
     friend constexpr bool any_of(const BoundedMask& a) { return a.value_ || !a.proved_; }
 
 private:
     bool value_, proved_;
 };
 
-/// A value of F, to the bit what F computes, and `error`, a number of F: the same formula in exact arithmetic on the
+/// A value of F, with the bits that F computes, and `error`, a number of F: the same formula in exact arithmetic on the
 /// same inputs gives a number within `error` of it (running error analysis; Higham, Accuracy and Stability of Numerical
-/// Algorithms, 2002, section 3.3). Infinity says nothing. An error of zero says: exactly, of an infinity and of NaN
-/// too.
+/// Algorithms, 2002, section 3.3). An error of infinity means that nothing is known. An error of zero means that the
+/// value is exact, even if it is infinite or NaN.
 ///
-/// What rounding loses is known exactly of sums, and of products that do not underflow (error_free.hpp has why); of all
-/// others it is at most u|v|, computed from the rounded v, so u(1 + u), and the least subnormal number. The bounds are
-/// sums of products of at most seven operations in a row, each of which rounds: what they lose relatively is made up
-/// for by 16u, as (1 − u)^7 (1 + 16u) ≥ 1 for every u ≤ 1/8. What products lose to underflow is less than half of the
-/// least subnormal number η each (sums lose nothing there), at most three of them and that of `outward` itself: four η
-/// are more than that. So `outward(B)` is never below B. What it must not be given is a zero that stands for more: a
-/// bound is zero only where its operands say that it is (`is_exact_zero`, errors that are zero), never because a
-/// product of errors underflowed. A bound that is not a number says nothing, as infinity does.
+/// The rounding error of a sum is known exactly, and so is that of a product that does not underflow (see
+/// error_free.hpp). For all other operations it is at most u|v| plus the smallest subnormal number. It is computed from
+/// the rounded v, hence u(1 + u). The bounds are sums of products of at most seven operations in a row, each of which
+/// rounds. The factor 1 + 16u makes up for their relative loss, as (1 − u)^7 (1 + 16u) ≥ 1 for every u ≤ 1/8. Each
+/// product loses less than half of the smallest subnormal number η to underflow (sums lose nothing there). There are at
+/// most three such products and the one of `outward` itself: four η exceed their loss. So `outward(B)` is never below
+/// B. It must not be given a zero that stands for a larger number: a bound is zero only if its operands say so
+/// (`is_exact_zero`, errors that are zero), never because a product of errors underflowed. A bound of NaN means that
+/// nothing is known, as infinity does.
 ///
-/// Where a decision is not proved, `select` answers by the values, as F does, and its error reaches the other side too.
+/// If a decision is not proved, `select` answers by the values, as F does, and its error reaches the other side too.
 template <class F>
 class Bounded {
 public:
@@ -84,7 +86,7 @@ public:
         const F least = size(b) * (1 - 4 * u) - b.error_;
         if (!(least > 0)) return unknown(v);
         if (a.is_exact_zero()) return {v, 0};
-        // What a product loses to underflow counts before it is divided by what may be small.
+        // The underflow loss of a product is added before the division by a number that may be small.
         const F above = a.error_ + (size_of(v) + tiny) * b.error_ + (a.error_ > 0 || b.error_ > 0 ? tiny : F(0));
         return rounded(v, above / least, nearest(v), a, b);
     }
@@ -92,7 +94,7 @@ public:
     Bounded& operator-=(const Bounded& b) { return *this = *this - b; }
     Bounded& operator*=(const Bounded& b) { return *this = *this * b; }
 
-    /// |√a − √a*| ≤ δa/(√a + √(a − δa)). Nothing is said where a* may be negative.
+    /// |√a − √a*| ≤ δa/(√a + √(a − δa)). The bound is infinite if a* may be negative.
     friend Bounded sqrt(const Bounded& a) {
         const F v = sqrt(a.value_);
         if (a.is_exact_zero() || a.is_exact_infinity()) return {v, 0};
@@ -113,13 +115,13 @@ public:
         if (b.is_nan() || !b.has_sign_bit()) return {v, outward(2 * size(a) + a.error_)};
         return {v, a.error_};
     }
-    /// The neighbour; numbers without rounding have none.
+    /// The neighbour; numbers without rounding have no neighbours.
     friend Bounded next_up(const Bounded& a) {
         const F v = next_up(a.value_);
         return v == a.value_ || a.is_nan() ? Bounded(v, a.error_) : Bounded(v, outward(a.error_ + (v - a.value_)));
     }
     friend Bounded next_down(const Bounded& a) { return -next_up(-a); }
-    /// min and max move by no more than the larger of what their operands move by.
+    /// min and max move by at most the larger of the errors of their operands.
     friend Bounded min(const Bounded& a, const Bounded& b) { return extreme(a < b, a, b); }
     friend Bounded max(const Bounded& a, const Bounded& b) { return extreme(a > b, a, b); }
     friend Bounded select(const BoundedMask& mask, const Bounded& a, const Bounded& b) {
@@ -136,7 +138,8 @@ public:
     friend BoundedMask operator>(const Bounded& a, const Bounded& b) { return b < a; }
     friend BoundedMask operator>=(const Bounded& a, const Bounded& b) { return b <= a; }
 
-    /// What a call gave, which does not say how it depends on its arguments: known where they are exact.
+    /// Result of a call. A call does not say how it depends on its arguments, so the error is known only if they are
+    /// exact.
     friend Bounded called(const Call& of, std::span<const Bounded> arguments, F value) {
         for (const Bounded& a : arguments)
             if (a.error_ != 0) return unknown(value);
@@ -150,7 +153,7 @@ public:
         const To v = static_cast<To>(value_);
         if (error_ == 0 && (v == value_ || is_nan())) return {v, To(0)};
         if (!(error_ < infinity) || is_infinite()) return Bounded<To>::unknown(v);
-        const F lost = static_cast<F>(v) - value_;  // of a narrower format, which F holds
+        const F lost = static_cast<F>(v) - value_;  // F holds every number of a narrower To
         return {v, Bounded<To>::outward(next_up(static_cast<To>(outward(error_ + size_of(lost)))))};
     }
 
@@ -163,10 +166,10 @@ private:
 
     static F size_of(F x) { return abs(x); }
     static F size(const Bounded& a) { return abs(a.value_); }
-    /// Below it products may have lost what a number of the format cannot hold.
+    /// Below this, products may have lost bits that the format cannot hold.
     static constexpr F deep = std::numeric_limits<F>::min() / (u * u);
     static F outward(F bound) { return bound * (1 + 16 * u) + 4 * tiny; }
-    /// The most that rounding to v, the nearest number, can have lost.
+    /// Largest possible rounding error if v is the nearest number.
     static F nearest(F v) { return u * size_of(v) + tiny; }
     static Bounded unknown(F v) { return {v, infinity}; }
     static bool is_same(const Bounded& a, const Bounded& b) { return a.value_ == b.value_ && a.error_ == b.error_; }
@@ -175,13 +178,13 @@ private:
     [[nodiscard]] bool is_infinite() const { return abs(value_) >= infinity; }
     [[nodiscard]] bool is_exact_infinity() const { return is_infinite() && error_ == 0; }
     [[nodiscard]] bool is_exact_zero() const { return value_ == 0 && error_ == 0; }
-    /// Whether the exact number is known to be above or below zero.
+    /// True if the exact number is known to be above or below zero.
     [[nodiscard]] bool has_sign() const { return abs(value_) > error_; }
-    /// Whether its sign is known, that of an exact zero too.
+    /// True if the sign is known, including the sign of an exact zero.
     [[nodiscard]] bool has_sign_bit() const { return has_sign() || is_exact_zero(); }
 
-    /// Of a sum or product in which an exact infinity stands: an infinity, where the other is finite or agrees; NaN for
-    /// certain where both are exact.
+    /// Sum or product with an exact infinity as an operand: an infinity if the other operand is finite or agrees;
+    /// certainly NaN if both are exact.
     static Bounded of_infinities(F v, const Bounded& a, const Bounded& b) {
         const bool known = a.error_ < infinity && b.error_ < infinity;
         return known ? Bounded(v, 0) : unknown(v);
@@ -191,20 +194,20 @@ private:
         if (!(apart < infinity) || !(abs(v) < infinity)) return unknown(v);
         return {v, apart == 0 && lost == 0 ? F(0) : outward(apart + lost)};
     }
-    /// By a < b ? a : b, which of a NaN answers the second: then only what is surely NaN is known.
+    /// Computed as a < b ? a : b, which yields the second operand for a NaN: then only a certain NaN is known.
     static Bounded extreme(const BoundedMask& first, const Bounded& a, const Bounded& b) {
         const Bounded& chosen = first.value() ? a : b;
         if (first.is_proved()) return chosen;
         if (a.is_nan() || b.is_nan()) return unknown(chosen.value_);
         return {chosen.value_, a.error_ > b.error_ ? a.error_ : b.error_};
     }
-    /// Whether a comparison of the values holds of the exact numbers: they are the values, or on the same side of each
-    /// other. With a NaN every comparison is a no.
+    /// True if a comparison of the values also holds for the exact numbers: the values are exact, or both lie on the
+    /// same side of each other. Every comparison with a NaN is false.
     static bool apart(const Bounded& a, const Bounded& b) {
         if (a.error_ == 0 && b.error_ == 0) return true;
         if ((a.is_nan() && a.error_ == 0) || (b.is_nan() && b.error_ == 0)) return true;
         if (!(a.error_ < infinity) || !(b.error_ < infinity)) return false;
-        // An infinity is apart from every number, although the bounds outward may be infinite, too.
+        // An infinity is apart from every number, even if the outward bounds are infinite too.
         if (a.is_exact_infinity() || b.is_exact_infinity()) return true;
         return abs(a.value_ - b.value_) * (1 - 4 * u) > outward(a.error_ + b.error_);
     }

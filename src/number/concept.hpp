@@ -1,5 +1,5 @@
-// What a formula may use, and nothing else. Everything downstream instantiates formulas over a type
-// that models `Number`; adding a question to the laboratory means adding such a type.
+// The operations that a formula may use. Everything downstream instantiates formulas over a type that models `Number`;
+// a new question to the laboratory is a new type of this kind.
 #pragma once
 
 #if defined(__FAST_MATH__)
@@ -13,9 +13,10 @@
 
 namespace lostbits {
 
-/// The base of masks: of the three-valued decisions of enclosures, of decisions on a tape, of those of a pack's lanes.
-/// An `if`, `?:`, `while`, or `&&` with a bool asks for one answer where there may be none yet, or several: it is told
-/// so in one sentence. (The mask of the archetype is no such base: there the question itself must not exist.)
+/// Base of masks: the three-valued decisions of enclosures, decisions on a tape, and the lanes of a pack. An `if`,
+/// `?:`, `while`, or `&&` with a bool needs one answer, but a mask may have none yet, or several. Such code does not
+/// compile, and the error says why in one sentence. (The mask of the archetype does not derive from this base: there
+/// the conversion itself must not exist.)
 struct NotABool {
     template <std::same_as<bool> Asked>
     explicit operator Asked() const {
@@ -32,8 +33,8 @@ using mask_t = decltype(std::declval<const T&>() < std::declval<const T&>());
 
 // --- float and double: the machine's own operations, correctly rounded by IEEE 754 --------------------
 
-// Templates, so that a formula in a program that also sees the C library's functions of these names calls those, which
-// are the same, and not two that fit equally well.
+// Templates, because a program may also see the C library's functions of these names: formulas then call those, which
+// compute the same, and the call is not ambiguous.
 template <std::floating_point F>
 F sqrt(F x) {
     return std::sqrt(x);
@@ -57,22 +58,22 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 
 // --- what every number gets from its comparison --------------------------------------------------------
 
-/// True for numbers that stand for exact arithmetic: they have no neighbours, rounding outward is identity.
+/// True for numbers that stand for exact arithmetic: they have no neighbours, and rounding outward is the identity.
 template <class T>
 inline constexpr bool stands_for_exact = false;
 
-/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Of sums that
-/// leave nothing out they are told as a whole: of a `Call`.
+/// True for numbers that record something about each operation: its index on a tape, or a bound on its rounding. A sum
+/// that loses nothing is recorded as a whole: as a `Call`.
 template <class T>
 inline constexpr bool tells_of_operations = false;
 
-/// What of an answer a call gives: the decision as 1 or −1, t (−1 of a miss), or the line parameter of one of the two
-/// intersections.
+/// The part of an answer that a call returns: the decision as 1 or −1, t (−1 for a miss), or the line parameter of one
+/// of the two intersections.
 enum class CallAnswer : std::uint8_t { decision, t, near, far };
 
-/// The form of this name without rounding, its answer rounded to the format: good to 16u of itself, and a decision
-/// right. Its arguments are the numbers of a ray, those of a solid in the order of its keys, and, of the shapes that
-/// are told, where the ray ends.
+/// The form of this name computed without rounding, its answer rounded to the format: within 16u relative error, and
+/// with the right decision. Its arguments are the numbers of a ray, those of a primitive in the order of its keys, and,
+/// for shapes whose forms take tmax, the end of the ray.
 struct Call {
     std::string_view form;
     CallAnswer answer;
@@ -103,8 +104,8 @@ T max(const T& a, const T& b) {
     return select(a > b, a, b);
 }
 
-/// x². A product of two numbers that happen to be equal is a product; this says that it is a square, which enclosures
-/// know to be no less than zero.
+/// x². A product of two numbers that happen to be equal stays a product; this function says that it is a square, which
+/// enclosures know to be at least zero.
 template <class T>
 T square(const T& x) {
     return x * x;
@@ -116,28 +117,28 @@ T fma_square(const T& x, const T& c) {
     return fma(x, x, c);
 }
 
-/// `f(mask)`: what a formula does with a decision. Enclosures overload it: where the decision is open they follow both
-/// sides to the end and join the results, which is tighter than joining at once.
+/// `f(mask)`: runs the part of a formula that depends on a decision. Enclosures overload it: if the decision is open,
+/// they follow both sides to the end and join the results, which is tighter than joining at once.
 template <class M, class F>
 auto decide(const M& mask, const F& f) {
     return f(mask);
 }
 
-/// Names an intermediate of a formula in the source's own letters. Numbers that keep a tape overload it; for all
-/// others it is the identity and costs nothing.
+/// Names an intermediate of a formula in the source's own letters. Numbers that keep a tape overload it; for all others
+/// it is the identity and costs nothing.
 template <class T>
 constexpr const T& named(std::string_view, const T& value) {
     return value;
 }
 
-/// For the life of a `Part`, operations of numbers that keep a tape get its name instead of those in the text: a
-/// stretch of many operations whose single names say nothing. Nothing for all others.
+/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own: for a stretch of
+/// many operations whose single names mean nothing. For other numbers it does nothing.
 template <class T>
 struct Part {
     explicit Part(std::string_view /*name*/) {}
 };
 
-/// The arithmetic that "compute it in double inside" means for T; T itself where nothing is wider.
+/// Arithmetic for "compute it in double inside": wider than T, or T itself if nothing is wider.
 template <class T>
 struct Wider {
     using type = T;

@@ -1,4 +1,4 @@
-// Counted: what does a formula cost in operations? A native number that counts, by kind, what is done to it.
+// Counted: counts the operations of a formula by kind, in native arithmetic.
 #pragma once
 
 #include <array>
@@ -25,13 +25,13 @@ struct OperationCounts {
     friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// What this thread has done since it last set them to zero.
+/// Operations of this thread since it last set them to zero.
 inline OperationCounts& operation_counts() {
     static thread_local OperationCounts counts;
     return counts;
 }
 
-/// F with a count. What has constants alone for operands is itself a constant and free, as a compiler would have it:
+/// F with a count. An operation on constants alone gives a constant and is not counted, as a compiler would fold it:
 /// `T(1) / T(2)` costs nothing. A formula is counted as it is written; common subexpressions count each time.
 template <class F>
 class Counted {
@@ -90,7 +90,7 @@ public:
     friend Counted max(const Counted& a, const Counted& b) {
         return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
     }
-    /// Of two constants, too: which of them is known only when it runs.
+    /// Counted for two constants too: only the run decides between them.
     friend Counted select(bool mask, const Counted& a, const Counted& b) {
         ++operation_counts()[Operation::choose];
         return Counted(mask ? a.value_ : b.value_, false);

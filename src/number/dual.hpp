@@ -1,5 +1,5 @@
-// Dual: how sensitive is the problem itself? A value and its gradient with respect to the inputs, by forward
-// differentiation: the same formula, the chain rule applied to each operation.
+// Dual: the sensitivity of the problem itself. A value and its gradient with respect to the inputs, by forward
+// differentiation: the same formula, with the chain rule applied to each operation.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace lostbits {
 
-/// x and ∂x/∂(input i) in the arithmetic F. How many inputs there are is said with each of them, and there is room for
-/// N, so that one type does for problems of many sizes; a constant has no gradient, which is one of zeros. Decisions
-/// are those of the value; `select` takes the side of the value, so at a kink the gradient is one-sided. √ has no
-/// derivative at zero: division by zero says so in F's words.
+/// x and ∂x/∂(input i) in the arithmetic F. Each number carries its number of inputs, up to N, so one type serves
+/// problems of many sizes. A constant has no stored gradient; its gradient is zero. Decisions are those of the value;
+/// `select` takes the side of the value, so at a kink the gradient is one-sided. √ has no derivative at zero: the
+/// division by zero gives what F gives for it.
 template <class F, std::size_t N>
 class Dual {
 public:
@@ -26,7 +26,7 @@ public:
     explicit Dual(const F& x) requires(!std::same_as<F, int>) : value_(x) {}
     Dual(const F& x, const Gradient& gradient) : value_(x), gradient_(gradient) {}
 
-    /// Input number i of so many with this value: ∂x/∂(input i) = 1.
+    /// Input number i of `inputs`, with this value: ∂x/∂(input i) = 1.
     static Dual input(const F& x, std::size_t i, std::size_t inputs = N) {
         Dual d(x);
         for (std::size_t k = 0; k < inputs; ++k) d.gradient_.push_back(F(k == i ? 1 : 0));
@@ -34,7 +34,7 @@ public:
     }
 
     [[nodiscard]] const F& value() const { return value_; }
-    /// Of each input, or nothing: of a constant.
+    /// Derivatives by input; empty for a constant.
     [[nodiscard]] const Gradient& gradient() const { return gradient_; }
     [[nodiscard]] F derivative(std::size_t i) const { return i < gradient_.size() ? gradient_[i] : F(0); }
 
@@ -85,7 +85,7 @@ public:
         const auto negative = a.value_ < F(0);
         return of_one(abs(a.value_), a, [&](const F& da) { return select(negative, -da, da); });
     }
-    /// |a| with the sign of b; b's own derivative plays no part but at its zero.
+    /// |a| with the sign of b. The derivative of b has no effect, except where b is zero.
     friend Dual copysign(const Dual& a, const Dual& b) {
         const F result = copysign(a.value_, b.value_);
         const auto same = (a.value_ < F(0) && result < F(0)) || (!(a.value_ < F(0)) && !(result < F(0)));

@@ -1,4 +1,4 @@
-// The ways a run can end without an answer, one type each, with the exit code a shell sees.
+// The ways in which a run can end without an answer: one type each, with the exit code that a shell sees.
 #pragma once
 
 #include <stdexcept>
@@ -13,7 +13,7 @@ enum class Exit : int {
     bad_input = 2,         ///< usage, or a file that does not say what it should
     environment = 3,       ///< unwritable file, full disk, missing library or CPU feature
     nothing_selected = 4,  ///< a glob or filter that matches nothing
-    internal = 70,         ///< a fault of ours, or a reference that did not converge
+    internal = 70,         ///< a bug in lostbits, or a reference that did not converge
     interrupted = 130,     ///< a signal stopped the run; finished files are kept
 };
 
@@ -27,22 +27,22 @@ private:
     Exit code_;
 };
 
-/// Bad input; `message` starts with `file:line:col:` where a file is to blame.
+/// Bad input; `message` starts with `file:line:col:` if a file caused it.
 struct InputError : Error {
     explicit InputError(const std::string& message) : Error(Exit::bad_input, message) {}
 };
 
-/// The machine is in the way: a folder that cannot be written, a full disk, a missing module.
+/// The machine prevents the run: an unwritable folder, a full disk, a missing module.
 struct EnvironmentError : Error {
     explicit EnvironmentError(const std::string& message) : Error(Exit::environment, message) {}
 };
 
-/// A selection that selects nothing.
+/// A selection that matches nothing.
 struct NothingSelected : Error {
     explicit NothingSelected(const std::string& message) : Error(Exit::nothing_selected, message) {}
 };
 
-/// Somebody asked the run to stop, see intersect/process/stop_token.hpp.
+/// A request to stop the run, see intersect/process/stop_token.hpp.
 struct Interrupted : Error {
     Interrupted() : Error(Exit::interrupted, "interrupted") {}
 };

@@ -1,4 +1,4 @@
-// Error-free operations: what a sum, product, quotient or root of doubles leaves out is a double again.
+// Error-free operations: the rounding error of a sum, product, quotient or root of doubles is a double again.
 #pragma once
 
 #include <cmath>
@@ -28,8 +28,8 @@ bool residuals_are_exact(X... x) {
     return ((std::fabs(x) >= error_free_low && std::fabs(x) <= error_free_high) && ...);
 }
 
-/// a + b (Knuth). No range from below: a sum's error is a double, subnormals included. |a|, |b| ≤ 2^1000, or a sum that
-/// is no larger: then no step overflows.
+/// a + b (Knuth). There is no lower limit: the error of a sum is a double, subnormals included. Upper limit: |a|, |b| ≤
+/// 2^1000, or a sum of at most that size; then no step overflows.
 inline DoubleDouble two_sum(double a, double b) {
     const double s = a + b;
     const double bb = s - a;

@@ -1,4 +1,4 @@
-// Floating-point formats by their three numbers: what a result can look like, whatever computes it.
+// Floating-point formats by their three numbers: the set of possible results, whatever computes them.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ constexpr long ulp_exponent(const FloatFormat& f, long floor_log2_x) {
     return (floor_log2_x > f.emin ? floor_log2_x : f.emin) - f.precision + 1;
 }
 
-/// How a form is evaluated: natively, or through `Rounded` in a format of any width.
+/// Evaluation of a form: native, or through `Rounded` in a format of any width.
 struct Format {
     enum class Engine { native32, native64, rounded };
     std::string name;

@@ -12,12 +12,12 @@ thread_local long Interval::working_ = 128;
 
 namespace {
 
-/// Of a precision with room for whatever is a point: two words from the highest bit of one to the last of the other.
+/// Precision that holds every point: two words, from the highest bit of one to the last bit of the other.
 constexpr long least_bits = 192;
 constexpr double widest_gap = 0x1p-128;
 
-/// The sum where it is two words, exactly: nothing is left over where their second words are added up. 128 bits and the
-/// 53 of the second word come to less than `least_bits`, so that MPFI loses nothing of it either.
+/// The sum if it fits two words exactly: nothing is left over when the second words are added. 128 bits and the 53 of
+/// the second word are fewer than `least_bits`, so MPFI loses nothing of it either.
 std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble& b) {
     const DoubleDouble s = two_sum(a.hi, b.hi);
     DoubleDouble sum = s;
@@ -32,11 +32,11 @@ std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble&
     return sum;
 }
 DoubleDouble negative(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
-/// The first words are rounded, and so in the order of the sums where they differ.
+/// The first words are rounded sums, so if they differ they are in the order of the sums.
 bool is_less(const DoubleDouble& a, const DoubleDouble& b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
 
-/// The product where it is two words, exactly. Of two that both have a second one none is tried: without their trailing
-/// zeros these have 54 bits and more each, and the product 107.
+/// The product if it fits two words exactly. It is not tried for two operands that both have a second word: without
+/// trailing zeros these have at least 54 bits each, and the product 107.
 std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDouble& b) {
     if (a.hi == 0 || b.hi == 0) return DoubleDouble{0, 0};
     if (a.lo != 0) return b.lo != 0 ? std::nullopt : exact_product(b, a);
@@ -69,7 +69,7 @@ Interval::Interval(const Interval& other)
     mpfi_set(value_, other.value_);
     has_ends_ = true;
 }
-/// What is left behind is a point.
+/// The moved-from interval is left as a point.
 Interval::Interval(Interval&& other) noexcept
     : point_(other.point_),
       bits_(other.bits_),
@@ -187,7 +187,7 @@ Interval sqrt(const Interval& a) {
         r.settle(a.undefined_);
         return r;
     }
-    // The part of the operand where a root exists, and the warning that there may be none.
+    // The part of the operand that has a root, and a warning if some of it has none.
     Interval r{Interval::Ends()};
     mpfr_set_zero(&r.value_->left, +1);
     mpfr_sqrt(&r.value_->right, a.upper(), MPFR_RNDU);
@@ -236,7 +236,7 @@ Interval largest(const Interval& a) {
     return r;
 }
 
-// The sign of an exact zero is not a real number's business: a formula that asks for it gets no answer.
+// Real numbers do not have signed zeros: a formula that asks for the sign of an exact zero gets no answer.
 Interval copysign(const Interval& a, const Interval& b) {
     if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::unknown();
     return mpfi_is_neg(b.ends()) > 0 ? -abs(a) : abs(a);

@@ -1,4 +1,4 @@
-// Interval: what is certainly true, at any precision. MPFI endpoints, outward rounding, unbounded exponents.
+// Interval: an enclosure of the exact value at any precision. MPFI endpoints, outward rounding, unbounded exponents.
 //
 // Straight on MPFI and not through Boost.Multiprecision: there (1.74) the working precision of `mpfi_float` is one
 // variable of the whole process, so two threads that escalate to different precisions would disturb each other.
@@ -15,9 +15,9 @@ namespace lostbits {
 /// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. The precision of every
 /// result is the thread's current one (`Interval::Precision`); operands may have any.
 ///
-/// A point of two words stays one while sums and products of it are, exactly, and allocates nothing. Its ends are those
-/// that MPFI has, made when they are asked for. Signs that are zero, of rays through edges and along tangents, are
-/// known so: of a triangle in floats, with t, in a sixth of the time that MPFI took.
+/// A point that two words hold stays one as long as sums and products of it are exact, and allocates nothing. Its MPFI
+/// ends are made when they are asked for. Signs that are zero, for rays through edges and along tangents, are known
+/// this way: for a triangle in floats, with t, in a sixth of the time that MPFI took.
 class Interval {
 public:
     /// Sets the working precision of this thread, in bits, for the lifetime of the scope.
@@ -51,7 +51,7 @@ public:
     static Interval unknown(Undefined u = Undefined::maybe);
     static Interval between(double lower, double upper);
 
-    /// An interval has its ends for one thread at a time.
+    /// The ends of an interval are made on demand, so only one thread at a time may use it.
     [[nodiscard]] mpfr_srcptr lower() const { return &ends()->left; }
     [[nodiscard]] mpfr_srcptr upper() const { return &ends()->right; }
     [[nodiscard]] Undefined undefined() const { return undefined_; }
@@ -82,23 +82,23 @@ public:
     friend Interval fma_square(const Interval& a, const Interval& c) { return square(a) + c; }
     friend Interval abs(const Interval& a);
     friend Interval copysign(const Interval& a, const Interval& b);
-    /// The hull of both sides where the mask is undecided.
+    /// The smallest interval that holds both sides if the mask is undecided.
     friend Interval select(Tri mask, const Interval& a, const Interval& b);
 
-    /// A point of an interval, the interval from one to another, the largest size in one as a point, and its bits: what
-    /// looks for roots in enclosures asks for these.
+    /// Root searches in enclosures need these: a point of an interval, the interval from one to another, the largest
+    /// magnitude in one as a point, and its number of bits.
     friend Interval middle(const Interval& a);
     friend Interval between(const Interval& low, const Interval& high);
     friend Interval largest(const Interval& a);
     friend int precision_of(const Interval& a) { return static_cast<int>(a.bits_); }
 
 private:
-    /// For ends that are still to be set, at the working precision.
+    /// Selects the constructor whose ends are still to be set, at the working precision.
     struct Ends {};
     explicit Interval(Ends);
     explicit Interval(const DoubleDouble& point) : point_(point), bits_(working_), is_point_(true) {}
     void settle(Undefined u);
-    /// Whether what comes of them may be kept as a point.
+    /// True if the result may be kept as a point.
     static bool are_points(const Interval& a, const Interval& b);
     [[nodiscard]] mpfi_srcptr ends() const {
         if (!has_ends_) make_ends();
@@ -111,7 +111,7 @@ private:
     DoubleDouble point_{0, 0};
     long bits_;
     bool is_point_ = false;
-    mutable bool has_ends_ = false;  ///< always where it is no point
+    mutable bool has_ends_ = false;  ///< always true if it is not a point
     Undefined undefined_ = Undefined::never;
 };
 

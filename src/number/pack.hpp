@@ -1,6 +1,6 @@
-// Pack: what does it cost in bulk? A SIMD register of numbers, so that a formula computes many rays at once. Every
-// operation gives in each lane the bits that the scalar operation gives; a NaN may differ in sign and payload, which
-// IEEE 754 leaves open and compilers use.
+// Pack: a SIMD register of numbers, so that a formula computes many rays at once. Each lane of every operation has the
+// bits of the scalar operation. Only a NaN may differ, in sign and payload, which IEEE 754 leaves open and compilers
+// make use of.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ struct Registers {
     static constexpr std::size_t bytes = Bytes;
 };
 
-/// A register of numbers, and one of whole numbers that are as wide. (With the compiler's own vectors the forms over
-/// packs are compiled in two thirds of the time that std::experimental::simd takes.)
+/// A register of numbers, and one of integers of the same width. (The compiler's own vectors compile forms over packs
+/// in two thirds of the time that std::experimental::simd takes.)
 template <class F, std::size_t bytes>
 struct RegisterOf {
     typedef F Numbers [[gnu::vector_size(bytes)]];
@@ -55,8 +55,9 @@ LOSTBITS_PACK_REGISTER(__m512d, _mm512, pd)
 #undef LOSTBITS_PACK_REGISTER
 
 #if defined(__FMA__)
-/// One instruction. (std::fma of each lane stays one of each lane where the vectoriser of straight code is off, as in
-/// the objects of the widths: two thirds of the instructions of double-double took lanes apart and joined them.)
+/// A fused multiply-add as one instruction. (std::fma of each lane stays one call per lane if the vectoriser of
+/// straight-line code is off, as in the objects of the widths: two thirds of the instructions of double-double then
+/// took lanes apart and joined them.)
 #define LOSTBITS_PACK_FMA(V, prefix, suffix) \
     [[gnu::always_inline]] inline V pack_fma(V a, V b, V c) { return prefix##_fmadd_##suffix(a, b, c); }
 LOSTBITS_PACK_FMA(__m128, _mm, ps)
@@ -70,8 +71,8 @@ LOSTBITS_PACK_FMA(__m512d, _mm512, pd)
 #undef LOSTBITS_PACK_FMA
 #endif
 
-/// A register of floats as two of doubles, and back with one rounding; doubles rounded to float. (Of the compiler's own
-/// conversions GCC 12.2 takes one to float and back for nothing: cmake/isa.cmake.)
+/// Converts a register of floats to two of doubles and back with one rounding, and rounds doubles to float. (GCC 12.2
+/// treats the compiler's own conversion to float and back as a no-op: cmake/isa.cmake.)
 [[gnu::always_inline]] inline __m128d pack_low(__m128 x) { return _mm_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m128d pack_high(__m128 x) { return _mm_cvtps_pd(_mm_movehl_ps(x, x)); }
 [[gnu::always_inline]] inline __m128 pack_narrow(__m128d low, __m128d high) {
@@ -163,8 +164,8 @@ struct PackDecisions {
 };
 
 #if defined(__AVX512DQ__)
-/// Decisions about registers of 512 bits: a bit each. By `&` of them GCC makes the second of two comparisons one under
-/// the mask of the first, and by `_kand_mask8` an instruction of its own.
+/// Decisions about registers of 512 bits: one bit per lane. With `&` GCC computes the second of two comparisons under
+/// the mask of the first; with `_kand_mask8` it emits a separate instruction.
 #define LOSTBITS_PACK_DECISIONS(F, bits, suffix, words)                                                      \
     template <class Width>                                                                                   \
     requires(Width::bytes == 64) struct PackDecisions<F, Width> {                                            \
@@ -233,7 +234,7 @@ public:
     explicit Pack(const Register& x) : x_(x) {}
     explicit Pack(const Words& bits) : x_((Register)bits) {}
 
-    /// `lanes` numbers from any address, floats among them where F is double.
+    /// Loads `lanes` numbers from any address; floats are allowed if F is double.
     template <std::floating_point X>
     static Pack load(const X* from) {
         typedef X Stored [[gnu::vector_size(lanes * sizeof(X)), gnu::aligned(alignof(X)), gnu::may_alias]];
@@ -269,7 +270,7 @@ public:
     }
     friend Pack abs(const Pack& a) { return Pack(a.words() & ~sign()); }
     friend Pack copysign(const Pack& a, const Pack& b) { return Pack((a.words() & ~sign()) | (b.words() & sign())); }
-    /// Without FMA lane by lane: std::fma is correctly rounded all the same.
+    /// Without hardware FMA, lane by lane: std::fma is correctly rounded all the same.
     friend Pack fma(const Pack& a, const Pack& b, const Pack& c) {
 #if defined(__FMA__)
         return Pack(Register(pack_fma(a.x_, b.x_, c.x_)));
@@ -290,8 +291,8 @@ public:
         else return select(a > b, a, b);
     }
 
-    /// The neighbours are the neighbours of the bits: one more away from zero, one less towards it. +∞ has none above
-    /// it, NaN none at all; both fail the test below.
+    /// The neighbours are those of the bit patterns: one more away from zero, one less towards it. +∞ has no neighbour
+    /// above it, NaN has none at all; both fail the test below.
     friend Pack next_up(const Pack& a) {
         const Pack x = a + Pack(0);  // −0 + 0 = +0, whose neighbour by bits is right; −0's would be −2⁻¹⁴⁹
         const Pack towards_zero(x.words() - 1), away(x.words() + 1);
@@ -314,8 +315,8 @@ private:
         return Pack(x);
     }
 
-    /// Mutable for GCC alone: to a const local of other types a function that is inlined writes through memory, and all
-    /// that it is made of stays there.
+    /// Mutable for GCC alone: with a const member, an inlined function writes to a local of other types through memory,
+    /// and everything that it is made of stays there.
     mutable Register x_;
 };
 

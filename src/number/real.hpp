@@ -1,5 +1,5 @@
-// Real: what does this formula give with no rounding (to speak of)? MPFR through Boost.Multiprecision, values on
-// the stack, expression templates off because they reorder operations.
+// Real: the value of a formula with practically no rounding. MPFR through Boost.Multiprecision, values on the stack,
+// expression templates off because they reorder operations.
 #pragma once
 
 #include <boost/multiprecision/mpfr.hpp>

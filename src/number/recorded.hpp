@@ -1,5 +1,5 @@
-// Recorded: which operation lost the bits? A number that tells its recorder what is done to it, in a format chosen at
-// run time. The recorders are in recorders/: one writes a tape, one bounds every error.
+// Recorded: a number that passes each of its operations to a recorder, in a format chosen at run time, to find the
+// operation that lost the bits. The recorders are in recorders/: one writes a tape, one bounds every error.
 #pragma once
 
 #include <span>
@@ -25,7 +25,7 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// Error(Exit::internal) where this thread has none.
+    /// The recorder of this thread; Error(Exit::internal) if it has none.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
             refuse();
@@ -83,17 +83,17 @@ public:
         return RecordedMask(record(TapeOp::either, a.node_, b.node_));
     }
     friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::opposite, a.node_)); }
-    /// Asked by the loops of a form. Recorded because without rounding the loop may have gone on.
+    /// Asked by the loops of a form. It is recorded because without rounding the loop might have gone on.
     friend bool any_of(const RecordedMask& a) { return Recorder::current().goes_on(record(TapeOp::any, a.node_)); }
 
 private:
     NodeId node_;
 };
 
-/// A number in the recorder's format, or (`in_double`) in binary64. Values are those of the format, to the bit. What an
-/// exact computation would have given is found afterwards by running the tape again over an exact number
-/// (measure/blame/attribution.hpp), so that a pixel of a map and a ray looked at closely share one recording and differ
-/// in the precision of what it is compared with.
+/// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
+/// exact values are found afterwards, by running the tape again over an exact number (measure/blame/attribution.hpp).
+/// So a pixel of a map and a single ray under study share one recording; they differ in the precision of the numbers
+/// that it is compared with.
 template <bool in_double>
 class BasicRecorded {
 public:

@@ -29,7 +29,7 @@ int sign_of(double x) { return (x > 0) - (x < 0); }
 /// 2^e for −1022 ≤ e ≤ 1023. std::ldexp, which takes any e, took a third of the time of a narrow format.
 double power_of_two(int e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
 
-/// whole · 2^e for 0 ≤ whole ≤ 2^53, −1074 ≤ e ≤ 1023, where a double holds it; infinity above.
+/// whole · 2^e for 0 ≤ whole ≤ 2^53, −1074 ≤ e ≤ 1023, if a double holds it; infinity if it is too large.
 double scaled(std::uint64_t whole, int e) {
     const auto x = static_cast<double>(whole);
     return e >= -1022 ? x * power_of_two(e) : x * power_of_two(e + 128) * power_of_two(-128);
@@ -148,7 +148,7 @@ double next_up(double a, const FloatFormat& f) {
     const double size = std::fabs(a);
     const int exponent = std::ilogb(size);
     double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent)));
-    // Towards zero from a power of two the neighbours lie twice as close, except at the subnormals' edge.
+    // Below a power of two the neighbours lie twice as close, except at the edge of the subnormals.
     if (a < 0 && exponent > f.emin && size == std::ldexp(1.0, exponent)) step /= 2;
     // copysign: above the largest negative number lies −0 (IEEE 754 nextUp), as nextafter has it.
     return std::copysign(to_format(a + step, 0, f), a);

@@ -1,4 +1,4 @@
-// Rounded<P>: how many bits would be enough? A P-bit significand with its own exponent range, correctly rounded.
+// Rounded<P>: a significand of P bits with its own exponent range, correctly rounded, to find how many bits are enough.
 #pragma once
 
 #include <bit>
@@ -15,8 +15,8 @@ namespace rounding {
 /// matters only where r itself lies exactly half way between two neighbours of f.
 double to_format(double r, int residual, const FloatFormat& f);
 
-/// The same operations through MPFR, with no assumption about range: the plain twin of the fast paths, and what
-/// they fall back on where a residual would underflow.
+/// The same operations through MPFR, with no assumption about range: the plain twin of the fast paths. The fast paths
+/// fall back on it if a residual would underflow.
 double add_reference(double a, double b, const FloatFormat& f);
 double mul_reference(double a, double b, const FloatFormat& f);
 double div_reference(double a, double b, const FloatFormat& f);
@@ -36,14 +36,14 @@ double next_up(double a, const FloatFormat& f);
 /// The format that `RoundedAny` computes in on this thread: that of the innermost scope.
 class CurrentFormat {
 public:
-    /// Error(Exit::internal) outside of every scope, where nobody has said which format is meant.
+    /// The format of the innermost scope; Error(Exit::internal) outside of every scope.
     static const FloatFormat& get() {
         if (!current_) [[unlikely]]
             refuse();
         return *current_;
     }
 
-    /// The arithmetic that computes in it: the machine's, where the format is one of the machine's own.
+    /// Arithmetic that computes in the format: the machine's own if it has the format.
     enum class Engine : std::uint8_t { machine_float, machine_double, rounding };
     static Engine engine() { return engine_; }
 
@@ -133,7 +133,7 @@ private:
         r.value_ = value;
         return r;
     }
-    /// By the machine, where the format is known at run time and the machine's own.
+    /// Computes with the machine's arithmetic if the format, known at run time, is one of the machine's.
     template <class Native, class Rounding, class... X>
     static BasicRounded computed(const Native& native, const Rounding& rounded, X... x) {
         if constexpr (std::same_as<F, CurrentFormat>) {

@@ -1,5 +1,5 @@
-// A tape: every operation of one run of a formula in the order of execution, its operands and what the format made of
-// it. Recorded writes it; what comes after (exact values, adjoints, C, FPCore, LaTeX) are walks of it.
+// A tape: every operation of one run of a formula in the order of execution, with its operands and its result in the
+// format. Recorded writes it; later steps (exact values, adjoints, C, FPCore, LaTeX) walk it.
 #pragma once
 
 #include <algorithm>
@@ -15,24 +15,24 @@
 
 namespace lostbits {
 
-/// What an operation makes of its operands. What must be known of an operation follows from its kind.
+/// Kind of an operation. All that must be known about an operation follows from its kind.
 enum class OperationKind : std::uint8_t {
-    given,    ///< an input, or an integer of the formula's text: its operands are not nodes
-    rounded,  ///< a number computed from numbers and rounded to the format
-    exact,    ///< a number computed from one of the format without rounding
-    called,  ///< a number that is computed from many as a whole, without rounding on the way: they are in `Tape::calls`
-    moved,   ///< a number taken to another one: a neighbour, or the nearest of another format
-    sign,    ///< a number with the sign of another
-    choice,  ///< one of two numbers
+    given,       ///< an input, or an integer of the formula's text: its operands are not nodes
+    rounded,     ///< a number computed from numbers and rounded to the format
+    exact,       ///< a number computed from one of the format without rounding
+    called,      ///< a number computed from many as a whole, without intermediate rounding: they are in `Tape::calls`
+    moved,       ///< a number converted to another one: a neighbour, or the nearest of another format
+    sign,        ///< a number with the sign of another
+    choice,      ///< one of two numbers
     comparison,  ///< a decision about two numbers; the value of a decision is 1 or 0
     logic        ///< a decision made from decisions
 };
 
-/// All operations of a tape: name, kind, number of operands. The one list of them: everything else that is known of an
-/// operation is its struct in measure/blame/operations.hpp, and a row without its struct does not compile.
+/// All operations of a tape: name, kind, number of operands. This is the only list of them. Everything else that is
+/// known about an operation is in its struct in measure/blame/operations.hpp; a row without a struct does not compile.
 ///
-/// `constant` is an integer of the formula's text, `call` what a form does as a whole, `convert` the way to or from a
-/// wider format, `any` what a loop asks.
+/// `constant` is an integer of the formula's text, `call` a step that a form takes as a whole, `convert` the conversion
+/// to or from a wider format, `any` the condition of a loop.
 // clang-format off
 #define LOSTBITS_TAPE_OPERATIONS(row)  \
     row(input,         given,      0)  \
@@ -85,7 +85,7 @@ constexpr OperationKind kind_of(TapeOp op) { return row_of(op).kind; }
 constexpr bool is_given(TapeOp op) { return kind_of(op) == OperationKind::given; }
 constexpr bool is_comparison(TapeOp op) { return kind_of(op) == OperationKind::comparison; }
 constexpr bool is_decision(TapeOp op) { return is_comparison(op) || kind_of(op) == OperationKind::logic; }
-/// Whether something was done that gives a number.
+/// True for operations that compute a number.
 constexpr bool is_operation(TapeOp op) { return !is_given(op) && !is_decision(op); }
 
 using NodeId = std::int32_t;
@@ -93,7 +93,7 @@ inline constexpr NodeId no_node = -1;
 
 struct TapeNode {
     TapeOp op = TapeOp::constant;
-    std::uint8_t format = 0;  ///< of the result: its place in `Tape::formats`
+    std::uint8_t format = 0;  ///< of the result: its index in `Tape::formats`
     /// Operands in the formula's order; select's are the decision and its two sides, an input's first is its number, a
     /// constant's its value.
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
@@ -101,7 +101,7 @@ struct TapeNode {
     std::string_view label = {};  ///< as `named` gave it; a literal of the source
 };
 
-/// What a `call` on the tape is of, and what it is given.
+/// A `call` on the tape: its subject and its arguments.
 struct TapeCall {
     NodeId node;
     Call of;
@@ -113,7 +113,7 @@ struct TapeOutputs {
     NodeId hit = no_node, t = no_node, near = no_node, far = no_node;
 };
 
-/// What an operation is done to; those that it has not are none.
+/// Operands of an operation; missing ones are `no_node`.
 struct TapeOperands {
     NodeId a = no_node, b = no_node, c = no_node;
 };
@@ -126,7 +126,7 @@ public:
     TapeOutputs outputs;
     /// For a form that marches: the length of the tape after each sample of the field.
     std::vector<std::size_t> samples;
-    /// Answers yes to every loop, for a tape of all that a form can ever do.
+    /// Answers true to every loop condition, for a tape of all that a form can ever do.
     bool every_loop = false;
     /// The name of every operation that is recorded while it is not empty (`Part`).
     std::string_view part = {};
@@ -136,14 +136,14 @@ public:
     [[nodiscard]] const FloatFormat& format_of(NodeId i) const { return formats[(*this)[i].format]; }
     [[nodiscard]] NodeId size() const { return static_cast<NodeId>(nodes.size()); }
     [[nodiscard]] const TapeCall& call_at(NodeId i) const { return *std::ranges::find(calls, i, &TapeCall::node); }
-    /// The nodes that a node is computed from: none of what is given, all arguments of a call.
+    /// Nodes that a node is computed from: none for given numbers, all arguments for a call.
     [[nodiscard]] std::span<const NodeId> operands_of(NodeId i) const {
         const TapeNode& n = (*this)[i];
         if (n.op == TapeOp::call) return call_at(i).arguments;
         return std::span(n.operands).first(row_of(n.op).operands);
     }
 
-    /// Keeps the memory: a map records a million tapes one after the other.
+    /// Clears the tape but keeps its memory: a map records a million tapes one after the other.
     void clear() {
         nodes.clear();
         formats.clear();
@@ -165,7 +165,7 @@ public:
     }
     NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 
-    /// Names an operation, once: a later name for the same value is another letter of the source for it.
+    /// Names an operation once. A later name for the same value is another letter of the source for it and is ignored.
     void name(NodeId i, std::string_view label) {
         if (TapeNode& n = (*this)[i]; n.label.empty() && is_operation(n.op)) n.label = label;
     }

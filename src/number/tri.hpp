@@ -27,7 +27,7 @@ private:
     Value value_;
 };
 
-/// The same in each lane of a pack: what is certainly so, and what is certainly not. M is the mask of the pack.
+/// The same in each lane of a pack: lanes certainly true, and lanes certainly false. M is the mask of the pack.
 template <class M>
 class Tris : public NotABool {
 public:
@@ -36,7 +36,7 @@ public:
 
     [[nodiscard]] const M& yes() const { return yes_; }
     [[nodiscard]] const M& no() const { return no_; }
-    /// Of one lane.
+    /// Converts the answer of a single lane.
     operator Tri() const requires std::same_as<M, bool> { return yes_ ? Tri::yes : no_ ? Tri::no : Tri::unknown; }
     [[nodiscard]] bool is_yes() const requires std::same_as<M, bool> { return yes_; }
     [[nodiscard]] bool is_no() const requires std::same_as<M, bool> { return no_; }
@@ -54,20 +54,20 @@ private:
     M yes_, no_;
 };
 
-/// Whether a number is less, and at most, another.
+/// Two decisions: a number is less than another; it is at most another.
 template <class Mask>
 struct Order {
     Mask less, at_most;
 };
 
-/// Follows a decision, or both of its sides while it is open; `select` joins what they give.
+/// Follows a decision, or both of its sides if it is open; `select` joins the results.
 template <class F>
 auto decide(Tri mask, const F& f) {
     return mask.is_unknown() ? select(mask, f(Tri(Tri::yes)), f(Tri(Tri::no))) : f(mask);
 }
 
-/// Whether an operation of the exact formula can have been undefined (0/0, the root of a negative number).
-/// Undefined behaves as IEEE's NaN: it spreads, and every comparison with it is false.
+/// Says if an operation of the exact formula can have been undefined (0/0, the root of a negative number). Undefined
+/// behaves as IEEE's NaN: it spreads, and every comparison with it is false.
 enum class Undefined : unsigned char { never, maybe, always };
 
 constexpr Undefined spread(Undefined a, Undefined b) { return a > b ? a : b; }

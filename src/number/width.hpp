@@ -1,4 +1,4 @@
-// For a source that is compiled once for each register width (cmake/isa.cmake): the registers, and names that tell the
+// Registers and names for a source that is compiled once per register width (cmake/isa.cmake). The names tell the
 // widths apart.
 #pragma once
 
@@ -7,7 +7,7 @@
 namespace lostbits {
 namespace {
 
-/// Of internal linkage, and with it everything that is instantiated over it (see `Registers`).
+/// Has internal linkage, and so does everything that is instantiated over it (see `Registers`).
 struct Width : Registers<LOSTBITS_REGISTER_BYTES> {};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// From a format named at run time to the number that computes in it.
+// Maps a format named at run time to the number type that computes in it.
 #pragma once
 
 #include "number/format.hpp"
@@ -6,8 +6,8 @@
 
 namespace lostbits {
 
-/// `use.operator()<T>()`, T the number that evaluates a format: float, double, or `RoundedAny` with the format as the
-/// thread's own for as long as the call takes.
+/// Calls `use.operator()<T>()`, with T the number that evaluates a format: float, double, or `RoundedAny` with the
+/// format set for this thread during the call.
 template <class Use>
 decltype(auto) with_number(const Format& format, const Use& use) {
     switch (format.engine) {
@@ -19,7 +19,7 @@ decltype(auto) with_number(const Format& format, const Use& use) {
     return use.template operator()<RoundedAny>();
 }
 
-/// The number of a format as the double that holds it.
+/// A number of a format as the double that holds it.
 inline double as_double(float x) { return x; }
 inline double as_double(double x) { return x; }
 template <class F>

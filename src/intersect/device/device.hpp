@@ -1,4 +1,4 @@
-// A driver that runs compute programs, whichever interface it is asked through.
+// A driver that runs compute programs, by either interface.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +13,20 @@
 
 namespace lostbits::intersect::device {
 
-/// What a driver says of itself.
+/// A driver's description of itself.
 struct DeviceWords {
     std::string kind;  ///< one of `device_kinds`
     std::string renderer, vendor, version, driver;
 };
 
 struct DeviceLimits {
-    std::size_t buffer_bytes = 0;  ///< of one buffer
-    std::size_t groups = 0;        ///< of one run
+    std::size_t buffer_bytes = 0;  ///< size of one buffer
+    std::size_t groups = 0;        ///< work groups of one run
     bool doubles = false;
-    int glsl = 430;  ///< the version of GLSL that it is given
+    int glsl = 430;  ///< the version of GLSL that it gets
 };
 
-/// The compiler's words about a program that it does not take.
+/// The compiler's messages about a program that it rejects.
 struct CompileError : InputError {
     using InputError::InputError;
 };
@@ -50,7 +50,7 @@ public:
 
 enum class Language { glsl, hlsl };
 
-/// Where a program begins: GLSL has no other name for it, and files of HLSL often have a `main` of their own.
+/// Entry point of a program: GLSL has no other name for it, and files of HLSL often have a `main` of their own.
 constexpr const char* entry_of(Language language) { return language == Language::glsl ? "main" : "lb_main"; }
 
 class Device {
@@ -62,12 +62,13 @@ public:
 
     [[nodiscard]] virtual const DeviceWords& words() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
-    /// A compute program. CompileError; EnvironmentError where the compiler itself fails or does not know the language.
+    /// A compute program. CompileError if the compiler rejects it; EnvironmentError if the compiler itself fails or
+    /// does not know the language.
     [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
         const process::KeepsFloatingPoint same;
         return compile_here(text, language);
     }
-    /// Runs so many work groups; buffer k has binding k. None is empty. EnvironmentError for a device that is lost.
+    /// Runs this many work groups; buffer k has binding k, and no buffer is empty. EnvironmentError for a lost device.
     void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
         const process::KeepsFloatingPoint same;
         run_here(program, buffers, groups);
@@ -81,14 +82,15 @@ protected:
 /// Interfaces, the default first.
 inline constexpr std::string_view device_kinds[] = {"opengl", "vulkan"};
 
-/// What a module of a driver exports: `lostbits_device_build`, which is `device_build`, and `lostbits_open_device`.
+/// Version of a driver module: it exports `lostbits_device_build`, which must equal `device_build`, and
+/// `lostbits_open_device`.
 inline constexpr int device_build = 3;
 using OpenDevice = Device* (*)();
 
-/// Loads the module of that kind and opens its first device that can run compute programs. In a process of its own: a
-/// driver brings a compiler, threads and signal handlers. EnvironmentError that says what is missing.
+/// Loads the module of that kind and opens its first device that can run compute programs. Call it in a separate
+/// process: a driver brings a compiler, threads and signal handlers. EnvironmentError that says what is missing.
 std::unique_ptr<Device> open_device(std::string_view kind);
-/// The first kind that can be opened. EnvironmentError with what each of them lacks.
+/// Opens the first kind that can be opened. EnvironmentError that lists what each of them lacks.
 std::unique_ptr<Device> open_any_device();
 
 }  // namespace lostbits::intersect::device

@@ -9,8 +9,8 @@
 
 namespace lostbits::intersect::device {
 
-/// SPIR-V of a compute program, made by glslang. CompileError with its messages, and for HLSL that reads a variable
-/// which nobody sets; EnvironmentError where glslang is missing.
+/// Compiles a compute program to SPIR-V by glslang. CompileError with its messages, also for HLSL that reads a variable
+/// that nobody sets; EnvironmentError if glslang is missing.
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language);
 
 }  // namespace lostbits::intersect::device

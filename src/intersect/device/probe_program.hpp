@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::device {
 
-/// What the program computes of six numbers x y z u v w, in this order.
+/// Results that the program computes from six numbers x y z u v w, in this order.
 enum class Probed : unsigned {
     add,           ///< x + y
     subtract,      ///< x - y
@@ -33,8 +33,8 @@ inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::cou
 /// GLSL: reads six numbers an element at binding 0, writes `probed_count` answers an element at binding 1.
 std::string probe_program(int bits, int version);
 
-/// GLSL: counts to the first number at binding 0 and writes how far it came at binding 1; `nested`: so often as the
-/// third number there says, in a loop around it.
+/// GLSL: counts to the first number at binding 0 and writes the count reached at binding 1. `nested`: repeats that in
+/// an outer loop, as many times as the third number there says.
 std::string loop_program(int version, bool nested);
 
 }  // namespace lostbits::intersect::device

@@ -1,4 +1,4 @@
-// A new folder for what a run needs for a while, and what to say where there can be none.
+// A new folder for temporary files of a run, and the message if none can be made.
 #pragma once
 
 #include <sys/resource.h>
@@ -15,8 +15,8 @@
 
 namespace lostbits::intersect::device {
 
-/// `NAME-` and six letters, in the system's folder for such; whoever asked removes it. EnvironmentError, which names
-/// TMPDIR.
+/// Makes `NAME-` and six letters in the system's folder for temporary files; the caller removes it. EnvironmentError,
+/// which names TMPDIR.
 [[nodiscard]] inline std::filesystem::path make_temporary_folder(std::string_view name) {
     const char* const wanted = std::getenv("TMPDIR");
     const std::filesystem::path place = wanted != nullptr ? wanted : "/tmp";
@@ -28,7 +28,7 @@ namespace lostbits::intersect::device {
     return path;
 }
 
-/// Such a folder, which goes away again with all that is in it.
+/// A temporary folder that is removed with its contents at the end.
 class TemporaryFolder {
 public:
     explicit TemporaryFolder(std::string_view name) : path(make_temporary_folder(name)) {}
@@ -42,8 +42,8 @@ public:
     const std::filesystem::path path;
 };
 
-/// Whether the loader of libraries refused one for lack of memory. It does not say why it could not map a file: under a
-/// limit of the address space (`ulimit -v`) that is the reason.
+/// True if the library loader failed for lack of memory. It does not say why it could not map a file: under a limit of
+/// the address space (`ulimit -v`) that limit is the reason.
 [[nodiscard]] inline bool lacks_memory(std::string_view loader_words) {
     const auto says = [&](const char* words) { return loader_words.find(words) != std::string_view::npos; };
     rlimit limit{};

@@ -1,4 +1,4 @@
-// Which build of the headers this is: two of them that differ do not lay out their rows alike.
+// Identifies the build of the headers: two builds that differ may lay out their rows differently.
 #pragma once
 
 #include <lostbits_build.hpp>

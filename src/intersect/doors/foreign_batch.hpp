@@ -1,4 +1,4 @@
-// A batch of the table as a form from outside takes it, and its answers as the table takes them.
+// Converts a batch of the table to one for an external form, and its answers back.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace lostbits::intersect::doors {
 
-/// Fills room for answers with what no form answers, so that one that is left out is seen.
+/// Fills the answer buffers with a marker that no form writes, so that a missing answer is seen.
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
 
-/// One answer as the table takes it: the first of the roots that counts, or what the contract says of a ray from
-/// inside. `said` is `hit`; `end` is where the ray ends, of the shapes whose forms are told.
+/// One answer as the table takes it: the first of the roots that counts, or the contract's answer for a ray from
+/// inside. `said` is `hit`; `end` is the end of the ray, for shapes whose forms take it.
 template <class S>
 Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end);
 
@@ -23,8 +23,8 @@ class ForeignBatch {
 public:
     explicit ForeignBatch(ForeignForm form) : form_(std::move(form)) {}
 
-    /// Asks the form and holds it to its contract. EnvironmentError where it leaves an answer out or says neither yes
-    /// nor no; else whatever it throws.
+    /// Asks the form and checks its answers against its contract. EnvironmentError if it leaves an answer out or writes
+    /// a `hit` that is neither 1 nor 0; otherwise whatever the form throws.
     void answer(const table::RayBatch<float>& rays, const Target<float>& target, const table::HitBatch<float>& hits);
     void answer(const table::RayBatch<double>& rays, const Target<double>& target, const table::HitBatch<double>& hits);
 
@@ -39,8 +39,8 @@ private:
     std::mutex one_at_a_time_;
 };
 
-/// The forms of one name, one or one for each of two formats, as a row of the table. It stays where it is: the row
-/// points into it.
+/// The forms of one name, one or one for each of two formats, as a row of the table. It must not move: the row points
+/// into it.
 struct ForeignRow {
     Info info = {};
     std::unique_ptr<ForeignBatch> of32 = {}, of64 = {};
@@ -48,7 +48,7 @@ struct ForeignRow {
     explicit ForeignRow(ForeignForm first);
     ForeignRow(const ForeignRow&) = delete;
     ForeignRow& operator=(const ForeignRow&) = delete;
-    /// The same form in the other format. InputError where it is there already, or promises something else.
+    /// Adds the same form in the other format. InputError if that is there already, or has another contract.
     void add(ForeignForm other);
     [[nodiscard]] table::Intersector row() const;
 

@@ -1,4 +1,4 @@
-// Forms in every arithmetic, as a library that was compiled with lostbits_form.hpp exports them.
+// Forms in every arithmetic, as exported by a library that was compiled with lostbits_form.hpp.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::doors {
 
-/// How a library says that a form begins and ends, so that a crash or a hang in it has a name.
+/// Calls by which a library reports that a form begins and ends, so that a crash or a hang can be attributed to it.
 struct FormulaWatch {
     void (*enter)(const char* who);
     void (*leave)();
@@ -20,19 +20,19 @@ struct FormulaWatch {
 struct Formula {
     table::Intersector row;
     std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null: not compiled
-    const char** who;                    ///< what `FormulaWatch::enter` is told, for the program to set
-    /// In float and in double: the t of its hits, which the C interface has no place for beside near and far. Null
-    /// where it tells t alone.
+    const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
+    /// In float and in double: the t of its hits, for which the C interface has no field beside near and far. Null if
+    /// the form yields only t.
     std::array<const lb_form*, 2> first;
 };
 
-/// The list that `lostbits_formulas` returns. `build` stands first and is compared before the rest is looked at: all
-/// that follows is laid out as one build of the headers lays it out.
+/// The list that `lostbits_formulas` returns. `build` stands first and is compared before anything else is read: the
+/// layout of everything that follows depends on the build of the headers.
 struct FormulaList {
     const char* build;
     const Formula* all;
     std::size_t count;
-    bool contracts;  ///< it was compiled so that a·b + c is rounded once
+    bool contracts;  ///< compiled so that a·b + c is rounded once
 };
 
 using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);

@@ -1,5 +1,5 @@
-// What a library makes of a form written once for every number: its row in every arithmetic, and its answers through
-// the C interface. Compiled into the library with all that it needs; nothing here refers to the program.
+// Converts a form written once for every number into a library's row in every arithmetic, and into answers through the
+// C interface. It is compiled into the library with all that it needs; nothing here refers to the program.
 #pragma once
 
 #include <exception>
@@ -17,7 +17,7 @@ inline const FormulaWatch* formula_watch = nullptr;
 template <class Form>
 inline const char* name_for_messages = nullptr;
 
-/// `function`, with the program told who runs.
+/// Calls `function` and reports the running form to the program.
 template <class Form, auto function, class = std::decay_t<decltype(function)>>
 struct Told;
 template <class Form, auto function, class R, class... A>
@@ -44,7 +44,7 @@ struct Told<Form, function, R (*)(A...)> {
     }
 };
 
-/// A field and a watch, for asking what a form takes.
+/// A field and a watch, to test the arguments that a form takes.
 struct AnyField {
     template <class T>
     T operator()(const Vec<T>& p) const {
@@ -58,7 +58,7 @@ concept TakesASolid =
     Form::intersect(ray, AnyField(), c, w);
 };
 
-/// Whether this library was compiled so that a·b − c is rounded once: then it computes in float and double what no tape
+/// True if this library was compiled so that a·b − c is rounded once: then it computes in float and double what no tape
 /// records. (1 + 2^-12)² is 1 + 2^-11 + 2^-24, half an ulp beyond its rounding.
 inline bool contracts() {
     volatile float a = 1 + 0x1p-12F, c = 1 + 0x1p-11F;
@@ -66,8 +66,8 @@ inline bool contracts() {
     return x * x - y != 0;
 }
 
-/// Compiled and never run: what no number of the laboratory has (a constant that is not whole, a call of std::, a
-/// number without a value) has no place in a formula, and some of it would compile over all of them.
+/// Compiled but never run. Operations that no number of the laboratory has (a constant that is not whole, a call of
+/// std::, a number without a value) have no place in a formula, yet some of them would compile over all numbers.
 template <class Form>
 void obey_the_rules(const Ray<Archetype>* ray, const Solid<Archetype>* solid, const MarchConstants<Archetype>* c) {
     if constexpr (marches<Form>) {
@@ -80,7 +80,7 @@ void obey_the_rules(const Ray<Archetype>* ray, const Solid<Archetype>* solid, co
     }
 }
 
-/// The working precision of intervals is a variable of the thread in each binary: here the library's, which follows the
+/// Sets the working precision of intervals. It is a thread variable in each binary: the library's own follows the
 /// program's through its numbers.
 template <class Form>
 Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
@@ -88,7 +88,7 @@ Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Inter
     return table::enclosed<Form, Interval>(ray, target);
 }
 
-/// What the objects of the register widths gave.
+/// Kernels from the objects of the register widths.
 template <class Form>
 inline std::array<simd::RawRow, 3> compiled_packs{};
 
@@ -105,15 +105,15 @@ simd::RawRow told_pack() {
             compiled.f64 ? Told<Form, run_pack<Form, width, double>>::run : nullptr};
 }
 
-/// The rules by so many calls: compilers look at what is called last, last, and of an `if` on a comparison the sentence
-/// of the masks (see `NotABool`) is to come before what the archetype says.
+/// Checks the rules by this many calls. Compilers report last what is called last, and for an `if` on a comparison the
+/// message of the masks (see `NotABool`) should come before the archetype's errors.
 template <class Form, int calls = 12>
 void obey_the_rules_after() {
     if constexpr (calls > 0) obey_the_rules_after<Form, calls - 1>();
     else obey_the_rules<Form>(nullptr, nullptr, nullptr);
 }
 
-/// The answers in S through the C interface; `told`: t alone is, or near and far.
+/// The answers in S through the C interface; `told`: only t, or near and far.
 template <class Form, class S, Roots told = Form::info.roots>
 const char* answer_batch_of(const lb_batch* batch) {
     const auto* const rays = static_cast<const S*>(batch->rays);
@@ -152,7 +152,7 @@ constexpr lb_form plain_form() {
             .run = answer_batch_of<Form, S, told>};
 }
 
-/// The t of its hits.
+/// The t of its hits, as a form of the first root.
 template <class Form, class S>
 inline constexpr lb_form first_form = plain_form<Form, S, Roots::first_only>();
 
@@ -184,7 +184,7 @@ Formula formula_of() {
     return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>, first};
 }
 
-/// All that a library exports of a list of forms.
+/// Exports a list of forms from a library.
 template <class... Form>
 struct Formulas {
     static const FormulaList* list(const FormulaWatch* watch, const char* build,
@@ -202,7 +202,7 @@ struct Formulas {
         return &told;
     }
 
-    /// In float and in double; forms that march are told of no solid that the C interface could name.
+    /// In float and in double. Forms that march are left out: they take no primitive that the C interface could name.
     static const lb_form* plain(int abi, std::size_t* count) {
         if (abi != LOSTBITS_PLUGIN_ABI) return nullptr;
         static const std::vector<lb_form> all = [] {

@@ -1,5 +1,5 @@
-// Formulas from outside: libraries compiled with lostbits_form.hpp, whose forms come in every arithmetic, as those of
-// the catalogue do.
+// External formulas: libraries compiled with lostbits_form.hpp, whose forms come in every arithmetic, as those of the
+// catalogue do.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 
 namespace lostbits::intersect::doors {
 
-/// The formulas of a library, which is loaded and stays so; none where it exports no `lostbits_formulas`. InputError
-/// where it was compiled with other headers than this program, or says what makes no sense of a form.
+/// Loads a library, which stays loaded, and returns its formulas; none if it exports no `lostbits_formulas`. InputError
+/// if it was compiled with other headers than this program, or states an invalid contract.
 std::vector<Formula> load_formulas(const std::filesystem::path& library);
 
-/// The t of the formula that `form` is the C interface of, as a form of the first root; nothing where near is t.
+/// The t of the formula behind the C interface `form`, as a form of the first root; nothing if near is t.
 std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const ForeignForm& form);
 
-/// The formula under a name that begins so, see `prefix_of_plugin`.
+/// Puts a prefix in front of the formula's name, see `prefix_of_plugin`.
 void rename(Formula& formula, const std::string& prefix);
 
-/// As rows of the table, and of the packs. InputError for a name that is taken.
+/// Adds them as rows of the table and of the packs. InputError for a name that is taken.
 void enroll_formulas(const std::vector<Formula>& formulas);
 
 }  // namespace lostbits::intersect::doors

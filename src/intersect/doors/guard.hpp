@@ -1,4 +1,4 @@
-// Code that is not ours runs in this process: when it crashes, hangs or ends the program, someone is told who it was.
+// Guards foreign code in this process: if it crashes, hangs or ends the program, a message names it.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace lostbits::intersect::doors {
 
-/// While one lives, this thread is inside of foreign code, and computes as that code's users have it. One may live
-/// inside of another. Afterwards the thread computes as before; where the code left something else, that is noted (see
-/// `changes_noted`). `who` outlives it.
+/// While one lives, this thread is inside foreign code and computes as that code's users have it. Guards may be nested.
+/// Afterwards the thread computes as before; if the code left another state, that is noted (see `changes_noted`). `who`
+/// outlives it.
 class InForeignCode {
 public:
     explicit InForeignCode(const char* who,
@@ -27,12 +27,12 @@ private:
     process::FloatingPoint before_, computes_;
 };
 
-/// While one lives, this thread loads foreign code or asks for its list. What it sets there for the process is set
-/// back: a locale (in one of a decimal comma strtod() would read 0.5 as 0, and %g would write it as two cells of a
-/// table), and how the processor computes, which `left` tells until the end.
+/// While one lives, this thread loads foreign code or asks for its list. It restores what that code sets for the
+/// process: the locale (with a decimal comma, strtod() would read 0.5 as 0, and %g would write it as two cells of a
+/// table), and how the processor computes, which `left` returns until the end.
 class LoadsForeignCode {
 public:
-    /// `computes`: what loading the library left, where that is over.
+    /// `computes`: the state that loading the library left, if loading is over.
     explicit LoadsForeignCode(const char* who,
                               const process::FloatingPoint& computes = process::FloatingPoint::standard())
         : inside_(who, computes), computes_(computes) {}
@@ -48,7 +48,7 @@ private:
     process::FloatingPoint computes_;
 };
 
-/// While one lives, what ends the program in foreign code is said to be in the probe of that name, which outlives it.
+/// While one lives, a message about foreign code that ends the program names this probe. The name outlives it.
 class AsksInProbe {
 public:
     explicit AsksInProbe(const char* name);
@@ -57,8 +57,8 @@ public:
     AsksInProbe& operator=(const AsksInProbe&) = delete;
 };
 
-/// `call` of foreign code through a C interface, from which nothing may be thrown. EnvironmentError, which begins with
-/// `who`, where something is.
+/// Runs `call` of foreign code through a C interface, from which nothing may be thrown. EnvironmentError, which begins
+/// with `who`, if something is.
 template <class Call>
 auto call_of(const char* who, Call&& call) {
     try {
@@ -71,29 +71,30 @@ auto call_of(const char* who, Call&& call) {
     }
 }
 
-/// Notes what `who` does to how the processor computes; of each the first is kept. A call that leaves another state
-/// than it found is noted by its guard.
+/// Notes how `who` changes the state of the processor; the first change of each is kept. The guard of a call notes a
+/// call that leaves another state than it found.
 void note_change(const std::string& who, const std::string& what);
-/// The sentences, which begin with `who`.
+/// The notes, as sentences that begin with `who`.
 std::vector<std::string> changes_noted();
-/// What is noted of it; empty where nothing is.
+/// The note about one library or form; empty if there is none.
 std::string change_noted(const std::string& who);
 
-/// Who runs in this thread, for messages; null where no foreign code does.
+/// Name of the foreign code that runs in this thread, for messages; null if there is none.
 const char* foreign_code_here() noexcept;
 
 struct GuardTerms {
-    double seconds = 30;  ///< that one batch may take
-    /// Where it is asked, the program ends as soon as a batch has taken a second: nothing in there would look.
+    double seconds = 30;  ///< limit for one batch
+    /// If a stop is requested, the program ends as soon as a batch has taken a second: foreign code does not check for
+    /// it.
     process::StopToken stop = {};
-    /// Called before the program ends for a fault of foreign code; from a signal handler.
+    /// Called from a signal handler, before the program ends for a fault of foreign code.
     void (*clean_up)() = nullptr;
-    void (*ends_with)(int status) = nullptr;  ///< the same, after the words about it, where there are any
+    void (*ends_with)(int status) = nullptr;  ///< the same, after the message about the fault, if there is one
 };
 
-/// From now on a signal of a crash inside of foreign code, a call of exit() there and a batch that takes too long end
-/// the program with a line that names it and what to try, and with Exit::environment. Other crashes stay what they
-/// were. A call cannot be ended without the process: other runs in it end with theirs, or wait for the batch.
+/// Guards foreign code from now on. A crash signal inside foreign code, a call of exit() there, or a batch that takes
+/// too long ends the program with Exit::environment and a line that names the code and what to try. Other crashes are
+/// not changed. A call cannot be ended without the process: other runs in it end too, or wait for the batch.
 void guard_foreign_code(const GuardTerms& terms);
 
 }  // namespace lostbits::intersect::doors

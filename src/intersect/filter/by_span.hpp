@@ -1,5 +1,4 @@
-// A form that filters by where the line is inside of its shape: in the arithmetic of T with a bound, and what that
-// leaves open beyond it.
+// A form that filters by its span: in the arithmetic of T with a bound, and beyond it for rays that this leaves open.
 #pragma once
 
 #include <array>
@@ -13,15 +12,15 @@
 
 namespace lostbits::intersect::filter {
 
-/// The decision and t, where they are proved; P is T without what it tells of operations.
+/// The decision and t, if they are proved; P is T without recording.
 template <class T, class P>
 struct FirstStep {
     mask_t<P> proved, hit;
     T t;
 };
 
-/// In the arithmetic of T: t is good to 62u of itself. `numbers` are those of the ray and of the solid. It is not
-/// inlined: rays and many solids share it. A format of less than 20 bits proves nothing (`Proving`).
+/// Filters in the arithmetic of T: t is within 62u of itself. `numbers` are those of the ray and of the primitive. Not
+/// inlined: rays and many primitives share it. A format of less than 20 bits proves nothing (`Proving`).
 template <template <class> class S, class T, class P>
 [[gnu::noinline]] FirstStep<T, P> prove(const T* numbers) {
     using E = number::wide::Proving<T>;
@@ -40,13 +39,13 @@ double as_double(const T& x) {
     else return as_double(x.value());
 }
 
-/// One answer of T's numbers.
+/// One answer in T's numbers.
 template <Number T>
 Hit<T> answered(const mask_t<T>& hit, const T& t) {
     return {hit, t, t, t};
 }
 
-/// What is not proved of a pack, each lane by itself.
+/// Settles the lanes of a pack that are not proved, each by itself.
 template <Number T, std::size_t n, class Watch>
 requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape shape, const std::array<T, n>& numbers,
                                                      const FirstStep<T, T>& known, Watch& watch) {
@@ -70,7 +69,7 @@ requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape sha
     return answered(T::load(hit) > T(0), T::load(t));
 }
 
-/// The same of any other number. What tells of operations is told of a call.
+/// Settles any other number that is not proved. Numbers that record operations record a call.
 template <Number T, class P, std::size_t n, class Watch>
 Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbers, const FirstStep<T, P>&,
                Watch& watch) {
@@ -88,7 +87,7 @@ Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbe
     }
 }
 
-/// The form of this name. `watch(way)` hears of every arithmetic beyond the first that is used.
+/// Evaluates the form of this name. `watch(way)` is called for every arithmetic used beyond the first.
 template <template <class> class S, Number T, class Watch>
 Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watch& watch) {
     if constexpr (stands_for_exact<T>) {
@@ -115,10 +114,10 @@ inline constexpr std::string_view title_by_span = "where the line is inside, whe
 inline constexpr std::string_view source_by_span =
     "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997";
 
-/// What such a form F of the shape S answers; its `info` names it. Every step has a bound on its rounding; where that
-/// does not prove the decision, or leaves t less than 17 correct bits of 24 (46 of 53), the ray is done again in wider
-/// arithmetic: float, double, double-double, intervals. No wrong decision about the closed solid (tests/exact). The
-/// first intersection: near = far = t.
+/// Implements such a form F of the shape S; the `info` of F names it. Every step has a bound on its rounding. If that
+/// does not prove the decision, or leaves t less than 17 correct bits of 24 (46 of 53), the ray is computed again in
+/// wider arithmetic: float, double, double-double, intervals. No wrong decision about the closed primitive
+/// (tests/exact). It yields the first intersection: near = far = t.
 template <class F, template <class> class S>
 struct FiltersBySpan {
     template <Number T>
@@ -126,7 +125,7 @@ struct FiltersBySpan {
         NoWatch watch;
         return intersect(ray, solid, watch);
     }
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    /// `watch(way)` is called for every arithmetic used beyond the first.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const S<T>& solid, Watch& watch) {
         return by_span<S>(F::info.name, ray, solid, watch);

@@ -1,5 +1,5 @@
-// Where a ray meets a closed solid first, from where its line is inside of it (geometry/span.hpp): one formula, over
-// numbers that prove what they decide, over enclosures and over numbers without rounding.
+// The first meeting of a ray with a closed primitive, from the span of its line (geometry/span.hpp). One formula serves
+// numbers that prove what they decide, enclosures, and numbers without rounding.
 #pragma once
 
 #include "geometry/capped_span.hpp"
@@ -10,24 +10,24 @@
 
 namespace lostbits::intersect::filter {
 
-/// Whether there is a t ≥ 0 at which the ray meets the solid: touching counts, and so does t = 0. The first such, from
-/// inside the exit.
+/// The decision that some t ≥ 0 lies in the closed primitive (touching counts, and so does t = 0), and the first such
+/// t; from inside, the exit.
 template <class E>
 struct FirstMet {
     mask_t<E> hit;
     E t;
 };
 
-/// By which arithmetics a ray's first meeting of a span is settled where that of the form proves nothing.
+/// Selects the arithmetics that settle a ray's first meeting of a span when that of the form proves nothing.
 template <class Span>
 struct Deciding {
-    /// What decides is of degree 12 in the inputs at most, so that so many bits hold it exactly.
+    /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
     static constexpr long enough_bits = 32768;
-    /// Whether two words with a running bound are tried before balls.
+    /// True if two words with a running bound are tried before balls.
     static constexpr bool tries_running_words = false;
 };
 
-/// Whether x is positive, of an x close to 0 either answer: always an answer.
+/// True if x is positive. For an x close to 0 either answer may come, but there always is one.
 template <class E>
 mask_t<E> leans_up(const E& x) {
     if constexpr (requires { x.leans_up(); }) return x.leans_up();
@@ -35,14 +35,14 @@ mask_t<E> leans_up(const E& x) {
     else return x > E(0);
 }
 
-/// Whether E proves that a number is 0.
+/// True if E proves that a number is 0.
 template <class E>
 inline constexpr bool knows_zero = !requires(const E& x) {
     x.leans_up();
 };
 
-/// The near root, c/(−h + √q), or −(h + √q)/a where h is positive; or the far one, where it is that, (−h + √q)/a, or
-/// −c/(h + √q): none of them subtracts. Where h = q = 0 the roots are 0 as the surface is met there alone (c = 0).
+/// The near root: c/(−h + √q), or −(h + √q)/a if h is positive. The far root: (−h + √q)/a, or −c/(h + √q). None of them
+/// subtracts. If h = q = 0, the roots are 0, as the surface is met there alone (c = 0).
 template <class E>
 Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
     const auto past = leans_up(s.h), by_a = (far && !past) || (!far && past);
@@ -52,7 +52,7 @@ Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
     else return root;
 }
 
-/// Where the line enters, or leaves where it is `far`.
+/// The t at which the line enters, or leaves if `far`.
 template <class E>
 Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& far) {
     const auto by_cap = (far && s.leaves_by_cap()) || (!far && s.enters_by_cap());
@@ -68,8 +68,8 @@ FirstMet<E> met_at(const mask_t<E>& hit, const Fraction<E>& at) {
     return {hit, at.n / at.m};
 }
 
-/// From outside (c > 0) the near root, where the line comes closer and meets the surface; of a ray that begins on it
-/// the root that is 0, the far one of those that leave.
+/// From outside (c > 0) the near root, if the line comes closer and meets the surface. For a ray that begins on the
+/// surface the root that is 0, which is the far one if the ray leaves.
 template <class E>
 FirstMet<E> first_met(const QuadraticSpan<E>& s) {
     const E zero(0);
@@ -77,8 +77,8 @@ FirstMet<E> first_met(const QuadraticSpan<E>& s) {
     return met_at(!outside || (s.h < zero && s.q >= zero), root_of(s, far));
 }
 
-/// Where it leaves no earlier than the ray begins: the entry, or the exit where the ray begins behind that. A line that
-/// meets the surface alone, along a cap or a side, has no inside: a ray that begins behind its entry begins on it.
+/// If the line leaves no earlier than the ray begins: the entry, or the exit if the ray begins behind the entry. A line
+/// that meets only the surface, along a cap or a side, has no inside: a ray that begins behind its entry begins on it.
 template <class E, template <class> class Span>
 requires ToldSpan<Span<E>, E> FirstMet<E> first_met(const Span<E>& s) {
     const auto far = s.enters_to(Start{}).less;

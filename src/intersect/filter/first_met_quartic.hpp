@@ -1,5 +1,5 @@
-// Where a ray first meets a surface of degree four: over numbers that prove what they decide, over enclosures, and over
-// numbers without rounding.
+// The first meeting of a ray with a surface of degree four: over numbers that prove what they decide, over enclosures,
+// and over numbers without rounding.
 #pragma once
 
 #include "geometry/first_root.hpp"
@@ -18,7 +18,7 @@ struct Deciding<QuarticSpan<E>> {
     static constexpr bool tries_running_words = true;
 };
 
-/// The first of the roots as far as signs along Sturm's chain tell, and 0 where the ray begins at one.
+/// The first root as far as the signs along Sturm's chain decide it, and 0 if the ray begins at a root.
 template <class E>
 FirstMet<E> first_met(const QuarticSpan<E>& s) {
     const QuarticChain<E> chain(s.f);
@@ -34,7 +34,7 @@ concept EnclosesRoots = stands_for_exact<E> && requires(const E& x) {
     largest(x);
 };
 
-/// The first root that does not lie before the ray begins, touched or crossed.
+/// The first root that does not lie before the beginning of the ray, touched or crossed.
 template <EnclosesRoots E>
 FirstMet<E> first_met(const QuarticSpan<E>& s) {
     const E zero(0);
@@ -51,16 +51,16 @@ FirstMet<E> first_met(const QuarticSpan<E>& s) {
     return {Tri::no, E(-1)};
 }
 
-/// Whether p > 0 and q² < 4 p r, at which p x² + q x + r is positive and f has no root: of a line far aside two pairs
-/// of roots that are not real are so close to each other that signs along the chain are not known.
+/// True if p > 0 and q² < 4 p r. Then p x² + q x + r is positive and f has no root. For a line far from the surface,
+/// two pairs of complex roots are so close to each other that signs along the chain are not known.
 template <class U>
 mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
     return (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
 }
 
-/// By the signs along Sturm's chain. Newton's step from near the root, and its bound, say how far the root can be: a
-/// sixteenth more, and f has other signs to both sides. Of a miss nothing is looked for, but where a tape is written,
-/// which has the same operations for every ray.
+/// Finds the first root by the signs along Sturm's chain. A Newton step near the root, with its bound, says how far
+/// away the root can be. One sixteenth further on either side, f has different signs. A miss skips this search, except
+/// while a tape is written, which has the same operations for every ray.
 template <class T>
 FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Proving<T>>& s) {
     using E = number::wide::Proving<T>;
@@ -87,7 +87,7 @@ FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Pro
     return {hit, select(hit, s.time(E(x, away * number::wide::outward_of<P>())), missed)};
 }
 
-/// In two words, as the packs of the truth have it.
+/// Computes in two words, as the packs of the truth do.
 template <class W>
 FirstMet<number::wide::Running<W>> first_met(const QuarticSpan<number::wide::Running<W>>& s) {
     const auto root = first_root(s.f, s.b, s.bound);

@@ -1,5 +1,5 @@
-// Forms that are asked only where the box around their solid is hit, as rows of the table: what a traversal of a
-// hierarchy asks.
+// Forms that are asked only if the bounding box of their primitive is hit, as rows of the table: the query of a
+// hierarchy traversal.
 #pragma once
 
 #include <string>
@@ -10,29 +10,30 @@
 
 namespace lostbits::intersect::hull {
 
-/// The row `triangle.undivided^box.signs~nearest` of a form of one shape and a form of boxes: a hit where the form hits
-/// the solid and the other one the box around it, both in the format and with the ray's end; t is the form's. The usual
-/// way is not named. `through(space, behind(…))` has its box in the space of the solid, `behind(…, through(…))` in the
-/// world. What ends the ray is its own end alone: no hit found before is. Made once and kept, as enrolled rows
-/// are. Its tape has the operations of the box, whose numbers are inputs as they are stored, and those of the form;
-/// without rounding it is the form. InputError for what has no box around it, and for what is no form of boxes.
+/// The row `triangle.undivided^box.signs~nearest`, made of a form of one shape and a form of boxes. It hits if the form
+/// hits the primitive and the box form hits the bounding box, both in the format and with the ray's end; t is the
+/// form's. The default method is not named. `through(space, behind(…))` has its box in the space of the primitive,
+/// `behind(…, through(…))` in the world. Only the ray's own end limits it, not a hit found before. Each row is made
+/// once and kept, as enrolled rows are. Its tape has the operations of the box, whose stored numbers are inputs, and
+/// those of the form. Without rounding it is the form. InputError if the primitive has no bounding box, or if `box` is
+/// not a form of boxes.
 const table::Intersector& behind(const HullWay& way, const table::Intersector& box, const table::Intersector& form);
 
-/// What a row was made of.
+/// The parts of such a row.
 struct HullParts {
     const HullWay* way;
     const table::Intersector *box, *form;
 };
-/// Nulls for a row that was not made here.
+/// Parts of a row; nulls if it was not made here.
 HullParts made_of(const table::Intersector& row);
 
-/// Whether a row is behind a box, in the space of its solid or in the world; of a set whether any of its forms is.
+/// True if a row is behind a box, in the space of its primitive or in the world; for a set, if any of its forms is.
 bool has_box(const table::Intersector& row);
 
-/// A row for solids under matrices without its boxes in the world: one that `space::through` made.
+/// A row for primitives under matrices without its boxes in the world: a row that `space::through` made.
 const table::Intersector& within_boxes(const table::Intersector& row);
 
-/// What the inputs on a row's tape are called: those of the form, then the numbers of each box from the outside in.
+/// Names of the inputs on a row's tape: those of the form, then the numbers of each box from the outside in.
 std::vector<std::string> names_on_tape(const table::Intersector& row, const Target<double>& target);
 
 /// The form itself, behind all boxes and spaces.

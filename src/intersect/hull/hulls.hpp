@@ -1,4 +1,4 @@
-// The table of ways of computing the box around a solid, in any format.
+// The table of methods to compute the bounding box of a primitive, in any format.
 #pragma once
 
 #include <span>
@@ -11,14 +11,15 @@ namespace lostbits::intersect::hull {
 
 struct HullWay {
     const HullInfo* info;
-    /// Its numbers are of the format, as are those of the solid taken, which are rounded to it. Of a solid under a
-    /// matrix it stands in the world, around the corners of the one in the space of the solid. Ask where `has_hull`.
+    /// Computes the box of a primitive whose numbers are first rounded to the format; the numbers of the box are of the
+    /// format too. Under a matrix the box is in the world, around the corners of the one in the space of the primitive.
+    /// Ask only if `has_hull`.
     Hull<double> (*in)(const Format&, const Solid<double>&);
 };
 
 /// In the order of the list.
 std::span<const HullWay> hulls();
-/// The one that is taken where none is named: the exact box rounded outward.
+/// The method used if none is named: the exact box rounded outward.
 const HullWay& usual_hull();
 
 }  // namespace lostbits::intersect::hull

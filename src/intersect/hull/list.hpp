@@ -1,4 +1,4 @@
-// The closed list of ways of computing the box around a solid: a struct each, and its place in the list.
+// The closed list of methods to compute the bounding box of a primitive: a struct for each, and its index in the list.
 #pragma once
 
 #include <string_view>
@@ -11,8 +11,8 @@ struct HullInfo {
     std::string_view name;  ///< `nearest` of `sphere.unified^box.signs~nearest`, unique
     std::string_view title;
     std::string_view source;
-    bool outward = false;  ///< the exact box, whose numbers are rounded outward; else it is computed in the format
-    int steps = 0;         ///< by how many numbers of the format each of its numbers is then moved outward
+    bool outward = false;  ///< the exact box with its numbers rounded outward; otherwise it is computed in the format
+    int steps = 0;         ///< number of steps in the format by which each number is then moved outward
 };
 
 /// A point of a box under a matrix: each row as ((a p.x + b p.y) + c p.z) + d.
@@ -40,7 +40,7 @@ struct NearestHull : FromTheFirst {
     };
 };
 
-/// What one rounding to nearest is off by is at most half a last place: the next number outward holds it.
+/// One rounding to nearest is off by at most half a last place, so the next number outward covers it.
 struct NextHull : FromTheFirst {
     static constexpr HullInfo info{
         .name = "next",
@@ -80,7 +80,7 @@ struct EmbreeHull {
     }
 };
 
-/// `act.template operator()<OutwardHull>()` for each in turn; the first is the one that is taken where none is named.
+/// Calls `act.template operator()<OutwardHull>()` for each in turn; the first is the default.
 template <class Act>
 constexpr void for_each_hull(const Act& act) {
     const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };

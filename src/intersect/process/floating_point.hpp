@@ -1,5 +1,6 @@
-// How the processor computes: which way it rounds, and whether subnormal numbers are zeros to it. A library that was
-// linked with -Ofast changes that in the thread that loads it, and threads inherit it from the one that starts them.
+// The processor's floating-point state: its rounding direction, and whether it treats subnormal numbers as zeros. A
+// library linked with -Ofast changes that in the thread that loads it, and threads inherit it from the one that starts
+// them.
 #pragma once
 
 #include <cstdint>
@@ -7,22 +8,22 @@
 
 namespace lostbits::intersect::process {
 
-/// The control bits of SSE and of x87, without the exceptions that were raised. Elsewhere than on x86 the rounding
-/// direction alone, and on AArch64 FPCR.
+/// The control bits of SSE and of x87, without the raised exceptions. On other processors the rounding direction alone,
+/// and on AArch64 FPCR.
 class FloatingPoint {
 public:
-    /// Of this thread.
+    /// The state of this thread.
     static FloatingPoint current() noexcept;
-    /// What IEEE 754 asks for and every number here rests on: to nearest, subnormal numbers kept, no traps; of x87 64
-    /// bits of significand.
+    /// The state that IEEE 754 asks for and that every number here relies on: rounding to nearest, subnormal numbers
+    /// kept, no traps, and 64 bits of significand on x87.
     static FloatingPoint standard() noexcept;
 
-    /// From now on this thread computes so.
+    /// Sets this state for this thread.
     void set() const noexcept;
-    /// `flush_to_zero,denormals_are_zero`: what differs from the standard, in the words of a contract; empty where
-    /// nothing does.
+    /// `flush_to_zero,denormals_are_zero`: the differences from the standard, as the property of a contract; empty if
+    /// there are none.
     [[nodiscard]] std::string words() const;
-    /// The inverse. False where a word is none.
+    /// The inverse of `words`. False for an unknown word.
     static bool read(const std::string& words, FloatingPoint& into);
 
     friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;
@@ -32,8 +33,8 @@ private:
     std::uint32_t x87_ = 0;
 };
 
-/// At its end this thread computes as it did at its beginning: around calls of code that is not ours and has no
-/// contract, such as that of images and of drivers.
+/// Restores the thread's initial state when it is destroyed: for calls of foreign code without a contract, such as
+/// image libraries and drivers.
 class KeepsFloatingPoint {
 public:
     KeepsFloatingPoint() noexcept : before_(FloatingPoint::current()) {}
@@ -45,8 +46,8 @@ private:
     FloatingPoint before_;
 };
 
-/// An enclosure is none where the processor rounds otherwise or has no subnormal numbers. Error with Exit::internal,
-/// which names `what`; some ten nanoseconds.
+/// Requires the standard state: an enclosure is not valid if the processor rounds otherwise or has no subnormal
+/// numbers. Error with Exit::internal, which names `what`; takes some ten nanoseconds.
 void require_standard(const char* what);
 
 }  // namespace lostbits::intersect::process

@@ -1,5 +1,5 @@
-// Loops over the threads of the pool, each step of which begins as IEEE 754 asks: between two steps a thread runs what
-// is not ours (the pool waits with sched_yield, which a preloaded library may have replaced).
+// Loops over the threads of the pool. Each step begins in the state that IEEE 754 asks for: between two steps a thread
+// runs code that is not ours (the pool waits with sched_yield, which a preloaded library may have replaced).
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -9,7 +9,7 @@
 
 namespace lostbits::intersect::process {
 
-/// `body(i)` for first ≤ i < last, in any order and on several threads.
+/// Calls `body(i)` for first ≤ i < last, in any order and on several threads.
 template <class Body>
 void in_parallel(std::size_t first, std::size_t last, const Body& body) {
     tbb::parallel_for(first, last, [&body](std::size_t i) {
@@ -19,7 +19,7 @@ void in_parallel(std::size_t first, std::size_t last, const Body& body) {
     FloatingPoint::standard().set();
 }
 
-/// The same of ranges.
+/// The same for ranges.
 template <class Body>
 void in_parallel(const tbb::blocked_range<std::size_t>& all, const Body& body) {
     tbb::parallel_for(all, [&body](const tbb::blocked_range<std::size_t>& range) {

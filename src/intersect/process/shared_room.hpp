@@ -5,23 +5,23 @@
 
 namespace lostbits::intersect::process {
 
-/// Whose turn it is in there, the two say to each other by other means.
+/// The two processes agree by other means whose turn it is to use it.
 class SharedRoom {
 public:
-    /// The descriptor by which a process that is started gets at the room of the one that starts it.
+    /// The descriptor by which a started process inherits the memory of its parent.
     static constexpr int inherited = 3;
 
-    /// A new room; its descriptor is -1 where the system has none to give.
+    /// Makes new shared memory; its descriptor is -1 if the system has none to give.
     SharedRoom();
-    /// The room of the process that has started this one.
+    /// Opens the memory of the parent process.
     explicit SharedRoom(int descriptor) : descriptor_(descriptor) {}
     ~SharedRoom();
     SharedRoom(const SharedRoom&) = delete;
     SharedRoom& operator=(const SharedRoom&) = delete;
 
     [[nodiscard]] int descriptor() const { return descriptor_; }
-    /// So many bytes at least; what stood there stays. Null where there is no memory for them. What pointed into the
-    /// room does no more.
+    /// Grows it to at least this many bytes; the contents stay. Null if there is no memory. Earlier pointers into it
+    /// become invalid.
     std::byte* with_bytes(std::size_t bytes);
 
 private:

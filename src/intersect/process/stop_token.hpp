@@ -1,4 +1,4 @@
-// Whether whoever started some work wants it ended: of two runs in one process each has its own.
+// A request to stop some work by whoever started it: two runs in one process have one each.
 #pragma once
 
 #include <atomic>
@@ -7,14 +7,15 @@
 
 namespace lostbits::intersect::process {
 
-/// Copied into what is asked for and whatever works on it. The flag is its owner's, outlives all of them, and may be
-/// set by another thread or a signal handler. Without a flag nobody ever asks.
+/// Copied to every worker of a run. The flag belongs to its owner and outlives all copies; another thread or a signal
+/// handler may set it. Without a flag there is never a request.
 class StopToken {
 public:
     StopToken() = default;
     explicit StopToken(const std::atomic<bool>& flag) : flag_(&flag) {}
     [[nodiscard]] bool is_asked() const noexcept { return flag_ != nullptr && flag_->load(std::memory_order_relaxed); }
-    /// Throws Interrupted where it is asked. A load: what may take longer than a second calls it on the way.
+    /// Throws Interrupted if a stop is requested. It costs one load; work that may take longer than a second calls it
+    /// on the way.
     void check() const {
         if (is_asked()) throw Interrupted();
     }

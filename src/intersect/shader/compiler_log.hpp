@@ -1,4 +1,4 @@
-// What compilers of drivers say, with the places of the user's file.
+// Messages of driver compilers, with positions in the user's file.
 #pragma once
 
 #include <string>

@@ -11,12 +11,12 @@ namespace lostbits::intersect::shader {
 /// The buffers of the program, by their binding.
 enum BufferPlace : unsigned { head, rays, ends, solids, answers, hits, starts, binding_count };
 
-/// What the buffer `head` holds.
+/// Contents of the buffer `head`.
 struct KernelHead {
     std::uint32_t rays = 0;
-    std::uint32_t stride = 0;  ///< numbers from the solid of one ray to that of the next; 0: one for all
-    std::uint32_t ends = 0;    ///< whether rays have ends
-    std::uint32_t starts = 0;  ///< whether rays begin elsewhere than at 0
+    std::uint32_t stride = 0;  ///< numbers from the primitive of one ray to that of the next; 0: one for all
+    std::uint32_t ends = 0;    ///< 1 if rays have ends
+    std::uint32_t starts = 0;  ///< 1 if rays begin elsewhere than at 0
 };
 
 /// Our part of the program begins with this line, the user's with line 1. (Mesa 22 forgets the other number of `#line`,

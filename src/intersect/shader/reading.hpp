@@ -1,5 +1,5 @@
-// What a GLSL file says, as far as finding a function in it asks for: its words with their places, the functions that
-// it defines, and the loops that its words bound.
+// Reads as much of a GLSL file as is needed to find a function in it: its tokens with their positions, the functions
+// that it defines, and the loops with a stated bound.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a function of a shader takes and answers, told by its types, and where these leave it open by its names.
+// Arguments and answer of a shader function, found from its types, and from its names if the types leave it open.
 #pragma once
 
 #include <optional>
@@ -30,11 +30,11 @@ struct Signature {
     std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far
 };
 
-/// Nothing where the types are not those of an intersector. A march and a field must have a name that says so, `march`
-/// or `map`, unless the function is `named` by the user.
+/// Nothing if the types are not those of an intersector. A march and a field must have a name that says so, `march` or
+/// `map`, unless the user named the function.
 std::optional<Signature> signature_of(const Function& function, bool named = false);
 
-/// What is recognised, for messages.
+/// Description of the recognised signatures, for messages.
 extern const std::string_view known_signatures;
 
 }  // namespace lostbits::intersect::shader

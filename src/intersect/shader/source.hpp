@@ -1,4 +1,4 @@
-// A file of GLSL or HLSL with one intersector in it, and what it says of that.
+// A GLSL or HLSL file with one intersector in it, and its contract.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::shader {
 
-/// What a function that returns numbers alone answers where the ray misses.
+/// The answer for a miss of a function that returns only numbers.
 struct Sentinel {
     enum class Kind {
         negative,  ///< t < 0; of near and far, far < 0
@@ -22,8 +22,8 @@ struct Sentinel {
     Kind kind = Kind::negative;
     double bound = 0;
 
-    /// Whether these numbers say that it misses; `t` twice for a function of one. A NaN says so for `infinite` alone: a
-    /// hit at NaN is an answer too.
+    /// True if these numbers mean a miss; for a function of one number, pass `t` twice. A NaN is a miss for `infinite`
+    /// alone: otherwise a hit at NaN is an answer too.
     [[nodiscard]] bool says_miss(double near, double far) const;
 };
 

@@ -23,14 +23,14 @@ inline constexpr std::string_view name_of(Isa isa) { return isa_names[static_cas
 /// Nothing for a name that is not in `isa_names`.
 std::optional<Isa> isa_named(std::string_view name);
 
-/// What this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256` needs AVX2
-/// and FMA, `w512` AVX-512 F, DQ and VL and BMI2 beside them.
+/// Widths that this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256`
+/// needs AVX2 and FMA, `w512` also AVX-512 F, DQ and VL and BMI2.
 std::vector<Isa> available_isas();
 /// The widest of them.
 Isa best_isa();
 
-/// What `packed_kernels` of every thread takes from now on; `best_isa()` until then. EnvironmentError for a width that
-/// is not available: nothing changes then.
+/// Sets the width of `packed_kernels` for every thread; `best_isa()` until then. EnvironmentError for a width that is
+/// not available; nothing changes then.
 void set_isa(Isa isa);
 Isa current_isa();
 
@@ -50,10 +50,10 @@ std::span<const PackedRow> packed_rows(Isa isa);
 /// for packs (a form made up by a test, a function behind a door) its own native ones.
 PackedRow packed_kernels(const table::Intersector& form, Isa isa);
 PackedRow packed_kernels(const table::Intersector& form);
-/// Whether it is in packs at that width.
+/// True if the row is compiled for packs at that width.
 bool is_packed(const table::Intersector& form, Isa isa);
 
-/// What a row outside of the catalogue has over packs of 128, 256 and 512 bits; null where it was not compiled.
+/// Kernels of a row outside the catalogue over packs of 128, 256 and 512 bits; null if not compiled.
 struct OwnPacks {
     const Info* info;
     std::array<RawRow, 3> widths;

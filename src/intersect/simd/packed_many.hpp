@@ -1,5 +1,5 @@
-// One ray against many solids, structure of arrays, at each register width: what a traversal asks. The bits are those
-// of the forms' scalar answers.
+// One ray against many primitives, structure of arrays, at each register width: the query of a traversal. The bits are
+// those of the forms' scalar answers.
 #pragma once
 
 #include "intersect/simd/packed.hpp"
@@ -36,8 +36,9 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// A form's kernels; null where it marches, in binary64 where its shape does not come in many and where it does not
-/// exist (see `Info::formats`). Any number of solids; nothing is read or written beyond the spans, nothing allocated.
+/// A form's kernels. They are null for a march; in binary64 also if the shape does not come in many or the form does
+/// not exist (see `Info::formats`). Any number of primitives; nothing is read or written beyond the spans, nothing
+/// allocated.
 struct ManyRow {
     const Info* info = nullptr;
     bool told_end = false;

@@ -1,4 +1,4 @@
-// What packed.cpp and the translation units of the instruction sets say to each other: plain pointers.
+// The interface between packed.cpp and the translation units of the instruction sets: plain pointers.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace lostbits::intersect::simd {
 
-/// What a form is aimed at.
+/// The target of a form.
 template <class F>
 struct RawTarget {
     const F* numbers;            ///< `most_numbers` a solid, in the order of `Solid`

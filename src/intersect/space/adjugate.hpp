@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::space {
 
-/// What the truth does, in the format: adj(A)(o − τ) + t adj(A) d against the solid times |det A|, mirrored where
+/// The method of the truth, in the format: adj(A)(o − τ) + t adj(A) d against the primitive times |det A|, mirrored if
 /// det A < 0.
 struct AdjugateSpace : RelativeSpace {
     static constexpr SpaceInfo info{

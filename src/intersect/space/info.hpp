@@ -1,4 +1,4 @@
-// What a way into the space of a solid says of itself.
+// Description of a transform method: a way to take a ray into the space of a primitive.
 #pragma once
 
 #include <array>
@@ -35,14 +35,14 @@ struct Maps {
     Affine<T> to_world, to_object;
 };
 
-/// The ray that the form is given: t of the world is t there over `length`. The solid is `scale` times as large.
+/// The ray that the form is given: t in the world is t there over `length`. The primitive is `scale` times as large.
 template <class T>
 struct ObjectRay {
     Ray<T> ray;
     T length, scale;
 };
 
-/// Of the ways that do nothing more: t is the same in both spaces, as affine maps keep it.
+/// Base of the methods that do nothing more: t is the same in both spaces, as affine maps keep it.
 struct SameT {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {

@@ -1,4 +1,4 @@
-// What space.cpp and the objects of the register widths say to each other: plain pointers.
+// The interface between space.cpp and the objects of the register widths: plain pointers.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ struct RawSteps {
     const F* world[6];  ///< ox, oy, oz, dx, dy, dz
     F* object[6];       ///< the same in the space of the solid
     F *length, *scale;  ///< of each ray; one of all
-    F* told[3];         ///< t, near and far, taken back in place
+    F* told[3];         ///< t, near and far, converted back in place
     std::size_t size;
 };
 

@@ -1,4 +1,4 @@
-// The table of ways into the space of a solid: each in every arithmetic, as plain functions.
+// The table of transform methods: each in every arithmetic, as plain functions.
 #pragma once
 
 #include <functional>
@@ -55,7 +55,7 @@ struct ObjectNodes {
     std::array<NodeId, 6> ray;
     NodeId length, scale;
 };
-/// Writes the form down behind what is there, and says what it answers.
+/// Records the form behind what is on the tape, and returns its outputs.
 using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
 
 struct Space {
@@ -83,7 +83,7 @@ const StepsIn<T>& steps_in(const Space& space) {
 
 /// In the order of the list.
 std::span<const Space> spaces();
-/// The one that is taken where none is named.
+/// The default method.
 const Space& usual_space();
 
 }  // namespace lostbits::intersect::space

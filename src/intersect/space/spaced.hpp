@@ -6,12 +6,12 @@
 
 namespace lostbits::intersect::space {
 
-/// The row `sphere.unified@pbrt` of a form of one shape: the ray is taken into the space of the solid, the form is
-/// asked there, t is taken back, all in the arithmetic of the row. A solid that stands under no matrix is asked as it
-/// is. Made once and kept, as enrolled rows are. InputError for a form that marches and for a set.
+/// The row `sphere.unified@pbrt` for a form of one shape. It takes the ray into the space of the primitive, asks the
+/// form there, and converts t back, all in the arithmetic of the row. A primitive without a matrix is asked as it is.
+/// Each row is made once and kept, as enrolled rows are. InputError for a form that marches and for a set.
 const table::Intersector& through(const Space& space, const table::Intersector& form);
 
-/// Which two a row was made of.
+/// The parts of such a row.
 struct Made {
     const Space* space;
     const table::Intersector* form;

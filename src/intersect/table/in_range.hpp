@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::table {
 
-/// Whether a form answers for all of a solid, its points inside too: 0 from there.
+/// True if a form answers for the whole primitive, its interior too: 0 from there.
 constexpr bool is_met_inside(const Info& info, Shape shape) {
     return info.inside == Inside::zero || (info.inside == Inside::usual && zero_inside(shape));
 }

@@ -7,8 +7,8 @@
 
 namespace lostbits::intersect::table {
 
-/// The operations of a form's own tape behind those of another, its inputs being what stands there; what it has more of
-/// them are inputs of the whole.
+/// Appends the operations of a form's tape to another tape; `inputs` are nodes there. Further inputs of the form become
+/// inputs of the whole tape.
 inline TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, Tape& to) {
     std::vector<NodeId> place(form.nodes.size());
     const auto moved = [&place](NodeId node) {

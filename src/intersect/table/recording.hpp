@@ -1,4 +1,4 @@
-// What the inputs on a form's tape are called.
+// Names of the inputs on a form's tape.
 #pragma once
 
 #include <string>

@@ -8,8 +8,8 @@
 
 namespace lostbits::intersect::table {
 
-/// Why these forms can be no set; empty where they can: one for each of several shapes, with a format in common. t is
-/// compared from solid to solid, so all of them tell it or none does.
+/// The reason why these forms cannot be a set; empty if they can. A set has one form for each of several shapes, with a
+/// format in common. t is compared between primitives, so all forms yield it or none does.
 std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 
 /// The row `sphere.unified+box.signs` of two or more forms of different shapes, whose order does not matter. Each of

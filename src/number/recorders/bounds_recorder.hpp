@@ -21,13 +21,13 @@ public:
     [[nodiscard]] double value(NodeId x) const override { return at(x).value; }
     bool goes_on(NodeId decision) override { return at(decision).value != 0 || !is_proved(decision); }
 
-    /// At most so far from the same formula without rounding; infinity where nothing is known.
+    /// Bound on the distance from the same formula without rounding; infinity if nothing is known.
     [[nodiscard]] double error(NodeId x) const { return at(x).error; }
-    /// True where the bounds prove a decision.
+    /// True if the bounds prove a decision.
     [[nodiscard]] bool is_proved(NodeId decision) const { return at(decision).error == 0; }
 
 private:
-    /// Decisions have the value 1 or 0, and the error 0 where they are proved.
+    /// Decisions have the value 1 or 0, and the error 0 if they are proved.
     struct Entry {
         double value, error;
         bool in_double;

@@ -6,7 +6,7 @@
 namespace lostbits::number::recorders {
 
 /// Computes each operation in the format of its operands, to the bit as the machine (binary32, binary64) or `Rounded`
-/// does, and writes it behind what the tape has. Decisions have the tape's first format.
+/// does, and appends it to the tape. Decisions have the tape's first format.
 class TapeRecorder final : public Recorder {
 public:
     TapeRecorder(Tape& tape, const FloatFormat& format) : Recorder(format), tape_(tape) {}

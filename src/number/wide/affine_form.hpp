@@ -1,5 +1,5 @@
-// AffineForm: what holds of every problem near one? A number that knows how it moves with each input, to first order,
-// and a bound on the rest.
+// AffineForm: a number that knows how it moves with each input, to first order, with a bound on the rest. It encloses
+// the result for every problem near one.
 #pragma once
 
 #include <algorithm>
@@ -14,28 +14,28 @@
 namespace lostbits::number::wide {
 
 /// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where the same ηᵢ stand in every number of a problem: affine
-/// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). The ηᵢ
-/// are from −1 to 1 each, or in vectors of a length of at most 1 (`Vectors`). x₀ is of two words with a running bound,
-/// so that numbers which cancel to 100 bits are told from 0; the sᵢ are doubles, and what they lose by rounding is in
+/// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). Each ηᵢ
+/// lies between −1 and 1, or they form vectors of length at most 1 (`Vectors`). x₀ has two words with a running bound,
+/// so that numbers which cancel to 100 bits are told from 0. The sᵢ are doubles, and their rounding errors are in
 /// `rest`.
 ///
-/// Products of deviations are of second order, and go to `rest`: with |x − x₀| ≤ D,
+/// Products of deviations are of second order and go to `rest`. With |x − x₀| ≤ D:
 ///     x y:    terms x₀ sᵢ(y) + y₀ sᵢ(x),   |x₀| r_y + |y₀| r_x + D_x D_y
 ///     1/y:    terms −sᵢ/y₀²,               r/y₀² + D²/(y₀² (|y₀| − D)),     where |y₀| > D
 ///     √x:     terms sᵢ/(2 √x₀),            r/(2 √x₀) + D²/(2 x₀ √x₀),       where x₀ > D
-/// and a rest of infinity says nothing.
+/// A rest of infinity means that nothing is known.
 template <std::size_t N>
 class AffineForm {
 public:
     using Centre = Running<TwoWords<double>>;
-    /// Behind the last place of each vector, in rising order, up to N; none: each ηᵢ for itself.
+    /// For each vector the index behind its last component, in ascending order, up to N. Empty: each ηᵢ by itself.
     using Vectors = std::span<const std::size_t>;
 
     AffineForm() = default;
     explicit AffineForm(int x) : centre_(x) {}
     explicit AffineForm(double x) : centre_(TwoWords<double>(x)) {}
-    /// Input number i: x + step ηᵢ, and what x itself may be off by. `vectors` outlives every number that is made of
-    /// it.
+    /// Input number i: x + step ηᵢ, and a bound `off` on the error of x itself. `vectors` outlives every number that is
+    /// made of it.
     AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
         rest_ = off;
         terms_[i] = step;
@@ -70,7 +70,7 @@ public:
         return x.linear(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
-    /// It stands for exact numbers, which have no neighbours.
+    /// Represents exact numbers, which have no neighbours.
     friend AffineForm next_up(const AffineForm& x) { return x; }
     friend AffineForm next_down(const AffineForm& x) { return x; }
     friend AffineForm abs(const AffineForm& x) { return select(x < AffineForm(0), -x, x); }
@@ -78,7 +78,7 @@ public:
         const AffineForm size = abs(a);
         return select(b < AffineForm(0), -size, size);
     }
-    /// Nothing is said where the mask is open.
+    /// The result is unknown if the mask is undecided.
     friend AffineForm select(Tri mask, const AffineForm& a, const AffineForm& b) {
         return mask.is_yes() ? a : mask.is_no() ? b : unknown();
     }
@@ -94,7 +94,7 @@ public:
     friend Tri operator>(const AffineForm& a, const AffineForm& b) { return b < a; }
     friend Tri operator>=(const AffineForm& a, const AffineForm& b) { return b <= a; }
 
-    /// No less than |x − x₀| for any x.
+    /// Upper bound of |x − x₀| for any x.
     [[nodiscard]] double deviation() const {
         double first_order = 0;
         if (vectors_.empty()) {
@@ -110,8 +110,8 @@ public:
         return (first_order + rest_) * up;
     }
 
-    /// A point of it, the numbers from one to another, the largest size in one as a point, and how many bits one is
-    /// good for: what looks for roots in enclosures asks for these.
+    /// Root searches in enclosures need these: a point of it, the numbers from one to another, the largest magnitude in
+    /// one as a point, and its number of bits.
     friend AffineForm middle(const AffineForm& x) {
         AffineForm point;
         point.centre_ = Centre(x.centre_.words());
@@ -129,7 +129,7 @@ public:
     [[nodiscard]] bool is_bounded() const { return deviation() + off() < HUGE_VAL; }
 
 private:
-    /// Makes up for the roundings of a bound, fewer than 2^10 of 2^-53 each.
+    /// Makes up for the roundings of a bound: fewer than 2^10 of 2^-53 each.
     static constexpr double up = 1 + 0x1p-42;
     static constexpr double tiny = 0x1p-500;  ///< more than the root of what squares lose to underflow
 
@@ -147,7 +147,7 @@ private:
     }
 
     [[nodiscard]] bool is_constant() const { return vectors_.data() == nullptr && rest_ == 0 && sum() == 0; }
-    /// How far x₀ can be from its first word.
+    /// Bound on the distance of x₀ from its first word.
     [[nodiscard]] double off() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
     [[nodiscard]] double most() const { return std::fabs(centre_.first()) + off(); }
     [[nodiscard]] double least() const { return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * up; }
@@ -186,7 +186,7 @@ private:
 
     Centre centre_{0};
     std::array<double, N> terms_{};
-    std::size_t used_ = 0;  ///< no term from here on is anything but 0
+    std::size_t used_ = 0;  ///< all terms from here on are 0
     double rest_ = 0;
     Vectors vectors_{};
 };

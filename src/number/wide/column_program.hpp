@@ -9,10 +9,10 @@
 
 namespace lostbits::number::wide {
 
-/// What an instruction does. A number is a column of words, a decision one of masks; a bounded number is two columns or
-/// three: its one or two words and its bound (`Running`).
+/// Operation of an instruction. A number is a column of words, a decision a column of masks. A bounded number is two or
+/// three columns: its one or two words and its bound (`Running`).
 enum class ColumnOperation : std::uint8_t {
-    // of words
+    // on words
     add,
     subtract,
     multiply,
@@ -24,11 +24,11 @@ enum class ColumnOperation : std::uint8_t {
     choose,       ///< mask, a, b
     less,
     at_most,
-    // of masks
+    // on masks
     both,
     either,
     opposite,
-    // of bounded numbers
+    // on bounded numbers
     sum,
     difference,
     product,
@@ -40,10 +40,10 @@ enum class ColumnOperation : std::uint8_t {
     root,
     is_less,     ///< yes, no
     is_at_most,  ///< yes, no
-    // of several words: the operations of a whole step
+    // on several words: the operations of a whole step
     order_of_first_words,  ///< x, y, least: less yes, no, at most yes, no
     near_root_of_quartic,  ///< coefficients of x⁴, x², x, 1, begin, bound
-    /// No number: where its mask is unset in every lane, no number that is recorded behind it is wanted.
+    /// Gives no number. If its mask is unset in every lane, no number recorded behind it is needed.
     gate,
 };
 inline constexpr std::size_t column_operations = static_cast<std::size_t>(ColumnOperation::gate) + 1;
@@ -53,7 +53,7 @@ inline constexpr bool is_of_masks(ColumnOperation operation) {
            operation == ColumnOperation::opposite;
 }
 
-/// How many bounded numbers it takes; 0 of those of words and masks.
+/// Number of bounded operands; 0 for operations on words and masks.
 inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
@@ -72,7 +72,7 @@ inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     }
 }
 
-/// How many columns an operation of words or masks takes and gives.
+/// Numbers of columns that an operation on words or masks takes and gives.
 inline constexpr std::size_t word_columns(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
@@ -87,9 +87,9 @@ inline constexpr std::size_t word_columns(ColumnOperation operation) {
     }
 }
 
-/// The operands of which an operation on bounded numbers has a kernel that knows them to be exact: of those that are,
-/// the most. Of two every choice has one; of a cross or dot product the first or second factors, or all, since rays and
-/// solids as they are given are exact.
+/// Selects, for an operation on bounded numbers, the largest set of exact operands that has a kernel of its own. For
+/// two operands every choice has a kernel. For a cross or dot product there are kernels for exact first factors, exact
+/// second factors, or all, since rays and primitives as given are exact.
 inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
     const unsigned all = (1U << operands) - 1, firsts = 0b010101U & all, seconds = 0b101010U & all;
     if (operands <= 2 || exact == all) return exact;
@@ -100,8 +100,8 @@ inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
 /// A column of a program. Those below 0 are constants: `constant_at`.
 using ColumnPlace = std::int16_t;
 
-/// One step of a program: the places of what it takes and gives. Of bounded numbers bit k of `exact` says that operand
-/// k is one word without a bound, so that one place is read of it; else all its words and its bound.
+/// One step of a program: the columns that it takes and gives. For bounded numbers, bit k of `exact` says that operand
+/// k is one word without a bound, so only one column of it is read; otherwise all its words and its bound are read.
 struct ColumnInstruction {
     static constexpr std::size_t most_in = 18, most_out = 4;
 
@@ -111,7 +111,7 @@ struct ColumnInstruction {
     std::array<ColumnPlace, most_out> out{};
 };
 
-/// Instructions over columns of inputs and of constants, which give every number that was asked of them.
+/// Instructions over columns of inputs and of constants, which compute all requested numbers.
 struct ColumnProgram {
     int words = 1;           ///< of a bounded number
     std::size_t inputs = 0;  ///< columns 0 to inputs − 1
@@ -125,8 +125,8 @@ struct ColumnProgram {
     }
 };
 
-/// Writes a program: what is recorded in its life, in its thread, becomes instructions of it. What was recorded before
-/// with the same operands is not recorded again.
+/// Writes a program: operations recorded in its lifetime, by its thread, become instructions of it. An operation that
+/// was already recorded with the same operands is not recorded again.
 class ColumnRecorder {
 public:
     ColumnRecorder(int words, std::size_t inputs);
@@ -138,9 +138,9 @@ public:
 
     ColumnPlace constant(double x);
     [[nodiscard]] double constant_at(ColumnPlace place) const { return program_.constant_at(place); }
-    /// The places of what the operation gives.
+    /// Columns of the results of the operation.
     std::array<ColumnPlace, ColumnInstruction::most_out> record(ColumnInstruction step);
-    /// The program, of which the outputs are wanted and nothing else is left.
+    /// The finished program with these outputs; the recorder is empty afterwards.
     ColumnProgram finish(std::vector<ColumnPlace> outputs);
 
 private:

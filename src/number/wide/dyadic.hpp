@@ -1,6 +1,6 @@
-// Sums and products of doubles of any size, exactly: what decides where words would over- or underflow. Scalar and
-// slow, some ten microseconds a ray at worst. `For` is the number of the formula that asks: over packs it keeps the
-// code of one instruction set apart from another's (number/pack.hpp).
+// Exact sums and products of doubles of any size: they decide when words would overflow or underflow. Scalar and slow,
+// some ten microseconds a ray at worst. `For` is the number type of the formula that asks: for packs it keeps the code
+// of one instruction set apart from another's (number/pack.hpp).
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Scaled {
         m = std::frexp(x, &e);
         e += exponent;
     }
-    /// Rounded once more where it is subnormal.
+    /// Rounded once more if the result is subnormal.
     [[nodiscard]] double value() const { return std::ldexp(m, e); }
     friend Scaled operator+(const Scaled& a, const Scaled& b) {
         if (a.m == 0 || b.m == 0) return a.m == 0 ? b : a;
@@ -43,7 +43,7 @@ template <class For>
 class Dyadic {
 public:
     Dyadic() = default;
-    /// Infinity as the largest number, NaN as zero.
+    /// Infinity is taken as the largest number, NaN as zero.
     explicit Dyadic(double x) : negative_(std::signbit(x)) {
         if (!(std::fabs(x) > 0)) return;
         x = std::min(std::fabs(x), std::numeric_limits<double>::max());
@@ -61,7 +61,7 @@ public:
     }
 
     [[nodiscard]] int sign() const { return size_ == 0 ? 0 : negative_ ? -1 : 1; }
-    /// From its three highest limbs: good to a double's last place.
+    /// Computed from the three highest limbs: good to a double's last place.
     [[nodiscard]] Scaled<For> scaled() const {
         double top = 0;
         const int from = std::max(size_ - 3, 0);
@@ -114,7 +114,7 @@ private:
             if (a.at(place) != b.at(place)) return a.at(place) > b.at(place) ? 1 : -1;
         return 0;
     }
-    /// |a| ± |b| with the sign of a; |a| > |b| where it is a difference.
+    /// |a| ± |b| with the sign of a; for a difference |a| > |b|.
     static Dyadic combined(const Dyadic& a, const Dyadic& b, int sign) {
         Dyadic r;
         r.negative_ = a.negative_;
@@ -129,7 +129,7 @@ private:
         r.trim();
         return r;
     }
-    /// No zero at either end, so that products stay short.
+    /// Removes zeros at either end, so that products stay short.
     void trim() {
         while (size_ > 0 && limbs_[size_ - 1] == 0) --size_;
         int zeros = 0;

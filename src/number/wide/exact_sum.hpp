@@ -1,4 +1,4 @@
-// The sign of a sum of words, exactly: what decides where double-double does not.
+// The exact sign of a sum of words, for decisions that double-double leaves open.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace lostbits::number::wide {
 template <class P, std::size_t size>
 class ExactSum {
 public:
-    /// One that is zero in every lane is left out: of floats, whose products are doubles, most are.
+    /// Skips a word that is zero in every lane: for floats, whose products are doubles, most words are.
     void add(const P& word) {
         if (any_of(!(abs(word) <= P(0)))) words_[used_++] = word;
     }

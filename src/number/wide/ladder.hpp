@@ -1,4 +1,4 @@
-// From a number to the wider ones: float, double, double-double.
+// Conversions from a number to the wider ones: float, double, double-double.
 #pragma once
 
 #include <array>
@@ -11,44 +11,44 @@
 
 namespace lostbits::number::wide {
 
-/// The widest number of one word: double for float and for formats that a double holds, T itself where nothing is
-/// wider.
+/// Widest number of one word: double for float and for formats that a double holds; T itself if nothing is wider.
 template <class T>
 using OneWord = typename Wider<T>::type;
 
-/// Whether `OneWord` is wider than T.
+/// True if `OneWord` is wider than T.
 template <class T>
 inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
 
-/// True where the format of T is narrower than `OneWord`; for numbers whose format is chosen at run time, that of now.
+/// True if the format of T is narrower than `OneWord`. For numbers whose format is chosen at run time: the current
+/// format.
 template <class T>
 bool widens() {
     if constexpr (tells_of_operations<T> && has_wider_word<T>) return !(T::format() == binary64);
     else return has_wider_word<T>;
 }
 
-/// Packs. Their rare, long functions are flattened, or every pack in them goes through memory; of others that would
-/// take the compiler minutes.
+/// True for packs. Their rare, long functions are flattened, because otherwise every pack in them goes through memory.
+/// For other numbers flattening would take the compiler minutes.
 template <class T>
 concept InRegisters = requires {
     T::lanes;
 };
 
-/// x in W: `OneWord<T>`, or two of them. Exact.
+/// Converts x exactly to W: `OneWord<T>`, or two of them.
 template <class W, class T>
 W taken_to(const T& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::widen(x);
     else return W(Wider<T>::widen(x));
 }
 
-/// x in T: rounded once from `OneWord<T>`, and once more from two of them.
+/// Converts x to T: rounded once from `OneWord<T>`, and once more from two of them.
 template <class T, class W>
 T taken_back(const W& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::narrow(x);
     else return Wider<T>::narrow(x.hi);
 }
 
-/// x without what its number tells of operations: what a filter decides by is no part of the answer.
+/// Removes what a number records about its operations: the filter's own decisions are no part of the answer.
 template <class T>
 auto untold(const T& x) {
     if constexpr (tells_of_operations<T>) return x.value();
@@ -59,26 +59,26 @@ auto untold(const Vec<T>& x) {
     return Vec<decltype(untold(x.x))>(untold(x.x), untold(x.y), untold(x.z));
 }
 
-/// A decision about untold numbers as one of T: proved, and on a tape a constant.
+/// Converts a decision about such bare numbers to one of T: proved, and a constant on a tape.
 template <class T, class Mask>
 mask_t<T> taken_for_granted(const Mask& mask) {
     if constexpr (tells_of_operations<T>) return T(mask ? 1 : 0) > T(0);
     else return mask;
 }
 
-/// What numbers that tell of operations call each answer of an exact step.
+/// Name of each answer of an exact step, for numbers that record operations.
 inline constexpr std::string_view name_of(CallAnswer answer) {
     constexpr std::array<std::string_view, 4> names{"exact_decision", "exact_t", "exact_near", "exact_far"};
     return names[static_cast<std::size_t>(answer)];
 }
 
-/// What they are told of a step that no operation of theirs did: `value` is what it gave.
+/// Records a step that none of T's own operations performed; `value` is its result.
 template <class T, std::size_t n>
 T told_of_call(const Call& of, const std::array<T, n>& arguments, const decltype(untold(std::declval<T>()))& value) {
     return named(name_of(of.answer), called(of, std::span<const T>(arguments), value));
 }
 
-/// The least normal number of T: below it a product is off by up to u times this, whatever its own size.
+/// Smallest normal number of T: a product below it is off by up to u times this, whatever its own size.
 template <class T>
 T least_normal() {
     if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
@@ -87,7 +87,7 @@ T least_normal() {
     else return next_up(T(0)) * (T(1) / (T(2) * unit_roundoff<T>()));
 }
 
-/// Its root, which is a power of two in float and double.
+/// Square root of the smallest normal number; in float and double a power of two.
 template <class T>
 T root_of_least_normal() {
     if constexpr (std::same_as<T, float> || (InRegisters<T> && has_wider_word<T>)) return T(0x1p-63F);
@@ -95,13 +95,13 @@ T root_of_least_normal() {
     else return sqrt(least_normal<T>());
 }
 
-/// Whether numbers of T come as doubles whose products may over- or underflow: `asked_lanes` then answers. Products of
-/// four floats do neither in double.
+/// True if numbers of T come as doubles whose products may overflow or underflow: `asked_lanes` then answers. Products
+/// of four floats do neither in double.
 template <class T>
 inline constexpr bool has_whole_range =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
 
-/// Whether numbers of a wider word go below T's own. Some formats of fewer bits are as deep as double.
+/// True if numbers of a wider word go below T's own. Some formats of fewer bits reach as low as double.
 template <class T>
 mask_t<T> goes_deeper() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
@@ -109,8 +109,8 @@ mask_t<T> goes_deeper() {
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
 }
 
-/// `f(in, out)` for each lane in which `ask` > 0: `in` are the lane's numbers as doubles, and what it leaves in `out`,
-/// which holds those of `out` before, is that lane of the result.
+/// Calls `f(in, out)` for each lane with `ask` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane of
+/// `out` before the call; what `f` leaves there is that lane of the result.
 template <class T, std::size_t ins, std::size_t outs, class F>
 std::array<T, outs> asked_lanes(const T& ask, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
     if constexpr (InRegisters<T>) {

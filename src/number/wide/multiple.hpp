@@ -1,4 +1,5 @@
-// Multiple: whole multiples of a unit that two words hold, whose sums and products are exact: zeros of them are proved.
+// Multiple: integer multiples of a unit, held in two words, whose sums and products are exact, so that zeros are
+// proved.
 #pragma once
 
 #include <cmath>
@@ -10,18 +11,18 @@
 
 namespace lostbits::number::wide {
 
-/// ±2^⌊log2|x|⌋ for a normal number x; 0 for others that are finite.
+/// ±2^⌊log2|x|⌋ for a normal number x; 0 for other finite numbers.
 inline double binade(double x) {
     return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) & std::uint64_t{0xfff} << 52);
 }
 
-/// The largest of the sizes of some numbers, and a power of two of which all are whole multiples.
+/// Largest magnitude of some numbers, and a power of two of which all are integer multiples.
 template <class P>
 struct Grid {
     P unit, size;
 
-    /// Of numbers with at most so many bits, 1 to 50, from the highest of the largest to the lowest of any. Where they
-    /// have more, where one is not finite, and where all are 0, the size is infinite or no unit there.
+    /// Fits numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest to the lowest bit of
+    /// any. If they span more, if one is not finite, or if all are 0, the size is infinite or there is no unit.
     template <class... Ps>
     static Grid of(int bits, const Ps&... numbers) {
         using lostbits::abs, lostbits::max, lostbits::select;
@@ -57,10 +58,10 @@ public:
 
     Multiple() = default;
     explicit Multiple(std::same_as<int> auto x) : w_(x), unit_(x == 0 ? 0x1p+100 : 1), size_(x < 0 ? -x : x) {}
-    /// A number that the grid holds.
+    /// A number on the grid.
     Multiple(const P& x, const Grid<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
 
-    /// The number, where it is known; else a bound of infinity.
+    /// The number, if it is known; otherwise its bound is infinity.
     [[nodiscard]] Running<TwoWords<P>> running() const {
         using lostbits::select;
         return {w_, select(is_held(), P(0), P(HUGE_VAL))};
@@ -105,7 +106,7 @@ public:
     friend Tris<Lanes> operator>=(const Multiple& a, const Multiple& b) { return !(a < b); }
 
     friend Multiple fma(const Multiple& a, const Multiple& b, const Multiple& c) { return a * b + c; }
-    /// It stands for exact numbers, which have no neighbours.
+    /// Represents exact numbers, which have no neighbours.
     friend Multiple next_up(const Multiple& a) { return a; }
     friend Multiple next_down(const Multiple& a) { return a; }
     friend Multiple abs(const Multiple& a) { return {abs(a.w_), a.unit_, a.size_}; }
@@ -129,7 +130,7 @@ private:
         using lostbits::select;
         return select(a.unit_ * b.unit_ >= P(0x1p-1000), a.size_ * b.size_, P(HUGE_VAL));
     }
-    /// Its first words' product, and all that this leaves.
+    /// Product of the first words, and everything that it leaves.
     static W parts_of_product(const W& a, const W& b) {
         const W p = product_of(a.hi, b.hi);
         if (is_known_zero(a.lo) && is_known_zero(b.lo)) return p;

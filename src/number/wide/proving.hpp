@@ -1,4 +1,4 @@
-// Proving: a number of a formula and how far it can be off, in its own format: what a filter decides by.
+// Proving: a number of a formula and a bound on its error, in its own format. A filter decides by it.
 #pragma once
 
 #include "number/tri.hpp"
@@ -6,7 +6,7 @@
 
 namespace lostbits::number::wide {
 
-/// u of a format, its least normal number L, and what the bound of a comparison is multiplied by.
+/// u of a format, its smallest normal number L, and the factor on the bound of a comparison.
 template <class P>
 P roundoff_of() {
     if constexpr (InRegisters<P>) return P(has_wider_word<P> ? 0x1p-24 : 0x1p-53);
@@ -18,9 +18,9 @@ P outward_of() {
     else return P(513) / P(512);
 }
 
-/// T's own operations, to the bit and as it tells of them, and e, a number of P: T without what it tells. All real x
-/// with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. An e that is infinite or NaN says nothing, and no comparison with it
-/// is decided.
+/// T's own operations, to the bit and recorded as T records them, and e, a number of P: T without recording. It stands
+/// for all real x with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. If e is infinite or NaN, nothing is known, and no
+/// comparison with it is decided.
 ///
 /// For x and y in a and b, with w the rounded result and η the least subnormal number:
 ///
@@ -29,10 +29,10 @@ P outward_of() {
 ///     w = a/b      |x/y − w|   ≤ (e_a + (|w| + η) e_b)/(|b| − e_b) (1 + 2u) + u|w| + η
 ///     w = √a       |√x − w|    ≤ e_a/√a + u|w|
 ///
-/// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. Each product and quotient in these
-/// bounds can lose an η too: L, at least 4η, is added at each place. Each of their steps loses a factor of at most 1 +
-/// 2u, none subtracts but |b| − e_b, of e_b rounded up, and no formula here has 400 of them one after the other: (1 +
-/// 2u)^400 < 1 + 2^-10. Where a word overflows, u|w| is infinite or NaN.
+/// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. Each product and quotient in these
+/// bounds can lose an η too: L, at least 4η, is added for each. Each step of the bounds loses a factor of at most 1 +
+/// 2u. The only subtraction is |b| − e_b, with e_b rounded up. No formula here has 400 such steps one after the other:
+/// (1 + 2u)^400 < 1 + 2^-10. If a word overflows, u|w| is infinite or NaN.
 ///
 /// A comparison takes d, the rounded difference, which has its sign, and e = (e_a + e_b)(1 + 2^-9), which covers 2^-10
 /// and what d itself is rounded by, u|d|.
@@ -49,9 +49,9 @@ public:
     Proving(const T& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const T& word() const { return w_; }
-    /// No less than how far x can be from the word.
+    /// Upper bound on the distance of x from the word.
     [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
-    /// Whether the word is positive, whatever x is.
+    /// True if the word is positive, whatever x is.
     [[nodiscard]] Mask leans_up() const {
         const Lanes up = untold(w_) > P(0);
         return {up, !up};
@@ -89,7 +89,7 @@ public:
         return {root.w_, select(untold(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
-    /// It stands for exact numbers, which have no neighbours.
+    /// Represents exact numbers, which have no neighbours.
     friend Proving next_up(const Proving& a) { return a; }
     friend Proving next_down(const Proving& a) { return a; }
     friend Proving abs(const Proving& a) {
@@ -100,7 +100,7 @@ public:
         const Proving x = abs(a);
         return select(b < Proving(0), -x, x);
     }
-    /// Nothing is said where the mask is undecided.
+    /// The result is unknown if the mask is undecided.
     friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
         using lostbits::select;
         return {select(taken_for_granted<T>(mask.yes()), a.w_, b.w_),

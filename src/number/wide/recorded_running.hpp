@@ -1,4 +1,4 @@
-// `Running` over recorded words: the numbers that a formula is instantiated with once to become a program of columns.
+// `Running` over recorded words: a formula is instantiated once with these numbers to become a program of columns.
 #pragma once
 
 #include <concepts>
@@ -32,9 +32,9 @@ public:
     friend ColumnMask operator!(const ColumnMask& a) {
         return ColumnMask(recorded(ColumnOperation::opposite, a.place_));
     }
-    /// A program goes every way.
+    /// Always true: a program takes every branch.
     friend bool any_of(const ColumnMask&) { return true; }
-    /// What is computed behind this is wanted where the mask is set in some lane, and only there.
+    /// Begins a part of the program that is needed only if the mask is set in some lane.
     friend bool is_unset(const ColumnMask& a) {
         ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.place_}});
         return false;
@@ -58,7 +58,7 @@ public:
         return x;
     }
     [[nodiscard]] ColumnPlace place() const { return place_; }
-    /// What is 0 by what was recorded, whatever the inputs.
+    /// True if x is known to be 0 from the recording, whatever the inputs.
     friend bool is_known_zero(const ColumnWord& x) { return x.is_zero_; }
 
     friend ColumnWord operator+(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::add, a, b); }
@@ -112,8 +112,8 @@ inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const C
 template <class W>
 concept ColumnWords = std::same_as<W, ColumnWord> || std::same_as<W, TwoWords<ColumnWord>>;
 
-/// Each operation is one instruction, whose kernel is that of `Running` over packs: so its words and bounds have the
-/// same bits. What is known to be without a second word and a bound when it is recorded is so for every ray.
+/// Each operation is one instruction, whose kernel is that of `Running` over packs, so its words and bounds have the
+/// same bits. If a number is known to have no second word and no bound when it is recorded, that holds for every ray.
 template <ColumnWords W>
 class Running<W> {
 public:

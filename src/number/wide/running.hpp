@@ -1,4 +1,4 @@
-// Running: what is certainly true of many rays at once: a number of one word or two, and how far it can be off.
+// Running: an enclosure for many rays at once: a number of one or two words, and a bound on its error.
 #pragma once
 
 #include <cmath>
@@ -12,14 +12,14 @@
 
 namespace lostbits::number::wide {
 
-/// Whether the compiler knows that x is 0, in every lane: the bounds and second words of inputs are, and what comes of
-/// them need not be computed. Of finite numbers the bits are the same either way, but for the signs of zeros; what is
-/// not finite says nothing.
+/// True if the compiler knows that x is 0 in every lane. The bounds and second words of inputs are, and their results
+/// need not be computed. For finite numbers the bits are the same either way, except for the signs of zeros. A result
+/// that is not finite carries no information.
 template <std::floating_point F>
 [[gnu::always_inline]] inline bool is_known_zero(const F& x) {
     return __builtin_constant_p(x) & (x >= 0) & (x <= 0);
 }
-/// Without a branch: each would stay in the code of a whole shape until the compiler knows its answer.
+/// Has no branch: each branch would stay in the code of a whole shape until the compiler knows its answer.
 template <class P>
 requires requires(const P& x) { x.words(); }
 [[gnu::always_inline]] inline bool is_known_zero(const P& x) {
@@ -29,14 +29,14 @@ requires requires(const P& x) { x.words(); }
     return __builtin_constant_p(all) & (static_cast<std::uint64_t>(all) << 1 == 0);
 }
 
-/// Whether a step ends here, since no lane is left: what it would give is wanted where the mask is set, and only there.
-/// (A recorded step goes on, and its program skips what is behind.)
+/// True if a step ends here because no lane is left: the rest of it is needed only where the mask is set. (A recorded
+/// step goes on, and its program skips the rest.)
 template <class M>
 bool is_unset(const M& mask) {
     return !any_of(mask);
 }
 
-/// What `Running` must know of its words: W is P, double or a pack of doubles, or `TwoWords<P>`.
+/// Properties of the words that `Running` needs. W is P, double or a pack of doubles, or `TwoWords<P>`.
 template <class W>
 struct Words {
     using Word = W;
@@ -47,8 +47,8 @@ struct Words {
     static W sum(const W& a, const W& b) { return a + b; }
     static W product(const W& a, const W& b) { return a * b; }
 };
-/// A sum with one word is normalised after one step: where the first words cancel, what is left is a multiple of half
-/// an ulp of the larger, which no second word exceeds.
+/// A sum with one word is normalised after one step: if the first words cancel, the remainder is a multiple of half an
+/// ulp of the larger, which no second word exceeds.
 template <class P>
 struct Words<TwoWords<P>> {
     using Word = P;
@@ -72,11 +72,12 @@ private:
     static bool is_one(const W& w) { return is_known_zero(w.lo); }
 };
 
-/// All real x with |x − w| ≤ e (1 + 2^-41). An e that is infinite or NaN says nothing of x, and no comparison with it
-/// is decided. Of two words w has the bits of `Ball`'s middle.
+/// All real x with |x − w| ≤ e (1 + 2^-41). If e is infinite or NaN, nothing is known about x, and no comparison with
+/// it is decided. For two words, w has the bits of `Ball`'s midpoint.
 ///
-/// With u = 2^-53, η = 2^-1075, w the words of a result, |w| their first, and ε = u for one word, 2^-102 for two, of
-/// which every operation loses less than two thirds (the bounds are listed at `Ball`), for x and y in a and b:
+/// Let u = 2^-53, η = 2^-1075, w the words of a result, and |w| the magnitude of the first. Let ε = u for one word and
+/// 2^-102 for two; every operation loses less than two thirds of the latter (the bounds are listed at `Ball`). For x
+/// and y in a and b:
 ///
 ///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|
 ///     w = a b      |x y − w|   ≤ |a| e_b + (|b| + e_b) e_a + ε|w| + 4η
@@ -84,15 +85,15 @@ private:
 ///     w = a/b      |x/y − w|   ≤ (e_a + |a/b| e_b + 3η)/(|b| − e_b) + ε|w| + η, |a/b| ≤ |w|(1 + 2u) + η
 ///     w = √a       |√x − w|    ≤ (e_a + η)/√a + ε|w|
 ///
-/// Of sums of products p_i the bounds of all steps are added up before they are multiplied by ε:
+/// For sums of products p_i the bounds of all steps are added up before they are multiplied by ε:
 ///
 ///     w = p₁ − p₂          ε (|p₁| + |p₂| + |w|)
 ///     w = (p₁ + p₂) + p₃   ε (|p₁| + |p₂| + |s| + |p₃| + |w|), s what p₁ + p₂ rounds to
 ///     w = (p₁ + p₂) + p₃   3ε w of squares, where p₁ + p₂ ≤ s (1 + ε) and s + p₃ ≤ w (1 + ε)
 ///
-/// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. A sum does not underflow: what is too
-/// small for ε|w| to be normal is added exactly, or is off by no more than ε|w| as it rounds. Each of the four products
-/// that make one of two words can lose an η, and what a quotient leaves over loses three before it is divided.
+/// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. A sum does not underflow: an operand
+/// too small for ε|w| to be normal is added exactly, or the sum rounds by no more than ε|w|. Each of the four products
+/// that make up one of two words can lose an η. The remainder of a quotient loses three before it is divided.
 ///
 /// Each product in these bounds can lose an η too: `lost`, which is added once an operation that multiplies, is 2^75 η.
 /// Each of their steps loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included, and none
@@ -121,7 +122,7 @@ public:
     [[nodiscard]] const P& first() const { return Words<W>::first(w_); }
     [[nodiscard]] P second() const { return Words<W>::second(w_); }
     [[nodiscard]] const P& bound() const { return e_; }
-    /// No less than how far x can be from the words.
+    /// Upper bound on the distance of x from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
     friend Running operator+(const Running& a, const Running& b) {
@@ -182,7 +183,7 @@ public:
         return {root.w_, select(positive, root.e_ + spread, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
-    /// It stands for exact numbers, which have no neighbours.
+    /// Represents exact numbers, which have no neighbours.
     friend Running next_up(const Running& a) { return a; }
     friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
@@ -197,7 +198,7 @@ public:
         using lostbits::select;
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
-    /// Nothing is said where the mask is undecided.
+    /// The result is unknown if the mask is undecided.
     friend Running select(const Tris<Lanes>& mask, const Running& a, const Running& b) {
         using lostbits::select;
         const Running x = select(mask.yes(), a, b);
@@ -215,7 +216,7 @@ private:
     [[nodiscard]] P size() const { return size_of(w_); }
     static Running rounded(const W& w, const P& spread) { return {w, plus(spread, P(error) * size_of(w))}; }
 
-    /// What the bounds of a and b are worth in a b, and that of a in a².
+    /// Contribution of the bounds of a and b to the bound of a b; for a² that of a.
     static P spread_of(const Running& a, const Running& b) {
         return plus(times(a.size(), b.e_), times(plus(b.size(), b.e_), a.e_));
     }
@@ -224,7 +225,7 @@ private:
     static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
     static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
 
-    /// The ends of x − y. Its middle h + l is off by u of h, of l and of their sum, and by nothing where h = l = 0.
+    /// Ends of x − y. The midpoint h + l is off by u of h, of l and of their sum; it is exact if h = l = 0.
     struct Ends {
         P low, high;
     };

@@ -21,8 +21,8 @@ P power_of_two(int k) {
     }
 }
 
-/// hi + lo with |lo| ≤ ulp(hi)/2. Every operation is off by less than `word_error` of its result while nothing
-/// underflows or overflows (the bounds are listed at `Ball`): a sum whatever its signs, too.
+/// hi + lo with |lo| ≤ ulp(hi)/2. The error of every operation is less than `word_error` of its result while nothing
+/// underflows or overflows (the bounds are listed at `Ball`). This holds for sums of any signs too.
 template <class P>
 struct TwoWords {
     P hi, lo;
@@ -55,7 +55,7 @@ struct TwoWords {
     }
     /// The product and the sum, each off by its own error.
     friend TwoWords fma(const TwoWords& a, const TwoWords& b, const TwoWords& c) { return a * b + c; }
-    /// 2 `word_error` of a away, which is what a neighbour is where operations are good to `word_error`.
+    /// Moves a by 2 `word_error` of itself: the distance of a neighbour if operations are good to `word_error`.
     friend TwoWords next_up(const TwoWords& a) {
         return a + TwoWords(max(abs(a.hi) * power_of_two<P>(-101), next_up(P(0))));
     }

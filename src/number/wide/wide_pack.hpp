@@ -1,4 +1,4 @@
-// What "compute it in double inside" means for a pack of floats.
+// The doubles for "compute it in double inside" in a pack of floats.
 #pragma once
 
 #include "number/pack.hpp"
@@ -12,7 +12,7 @@ public:
     using Half = Pack<double, Width>;
     using Narrow = Pack<float, Width>;
 
-    /// A decision in each lane; it is a decision about the floats, too.
+    /// A decision in each lane; it also serves as a decision about the floats.
     struct Lanes {
         PackMask<double, Width> low, high;
 
