@@ -99,11 +99,11 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
     const std::string of_mesh = request.mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", "crack", "double hit",
                                                            "wrong neighbour", "out of order")
                                              : "";
-    fmt::print("  {:<28} {:<5} {:>8} {}{:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
-               of_mesh, "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
+    fmt::print("  {:<28} {:<5} {:>8} {}{:>15} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
+               of_mesh, "wrong primitive", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
     const auto print_row = [&](const std::string& name, std::string_view format,
                                const measure::evaluate::FormSummary& s, bool is_file) {
-        fmt::print("  {:<28} {:<5} {:>8} {}{:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
+        fmt::print("  {:<28} {:<5} {:>8} {}{:>15} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
                    s.count(Outcome::agree_hit), request.mesh ? mesh_counts(s, !is_file) : "",
                    s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
                    s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),

@@ -1,4 +1,4 @@
-// The wrong solid and the outcomes of a mesh in every file of a map, and colour bars that someone asked for.
+// The wrong primitive and the outcomes of a mesh in every file of a map, and colour bars that someone asked for.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -17,12 +17,12 @@ namespace test_map_colours {
 using namespace lostbits::test;
 using lostbits::output::image::outcome_colours;
 
-TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
+TEST_CASE("the wrong primitive has a colour, a column, a place in the table, and a ray that explains it") {
     draw_pictures();
     const Scratch scratch;
     const auto r = must("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v" +
                         into(scratch, ""));
-    CHECK(has(r.out, "wrong solid"));
+    CHECK(has(r.out, "wrong primitive"));
     const auto folder = scratch / "rtg-fig-7-6-far";
     const auto row = read_csv(folder / "summary.csv").front();
     const auto wrong = std::strtol(row.at("wrong_object").c_str(), nullptr, 10);

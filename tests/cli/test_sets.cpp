@@ -47,7 +47,7 @@ TEST_CASE("without -i a scene of several shapes is measured by the plain set, wh
     CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }
 
-TEST_CASE("a hit of the wrong solid says which shape that has") {
+TEST_CASE("a hit of the wrong primitive says which shape that has") {
     const Scratch scratch;
     const std::string ray = "explain --sphere=0,0,0,1 --box=-2,-2,1,2,0.25,2 ";
     const std::string grazing = "--ray=0,0.9999999,-900,0,0,1 -f f32 ";

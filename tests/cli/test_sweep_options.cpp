@@ -85,7 +85,7 @@ TEST_CASE("an onset that is read from the last step is that of the sweep whose s
     CHECK(inside > 3);  // of those some are good again at 2^20 radii, where they are seen to end
 }
 
-TEST_CASE("a sweep says where a form first hits the wrong solid, as its own steps do") {
+TEST_CASE("a sweep says where a form first hits the wrong primitive, as its own steps do") {
     const Scratch scratch;
     scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n");
     scratch.write("s.toml",
