@@ -33,8 +33,9 @@ private:
 };
 
 struct JudgeRequest {
-    std::vector<Solid<double>> solids = {};  ///< of all rays, numbers of the dump's format; empty: each has its own
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
+    /// Of all rays, numbers of the dump's format; each ray has its own where there are none, and no mesh.
+    std::vector<Solid<double>> solids = {};
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< of the row of the file's answers; null: it has none

@@ -1,13 +1,15 @@
 // The mesh of a scene in the numbers in which it is stored.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "scene/rays/solid_list.hpp"
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes among `stored_solids`, whose last they are; null where there are none.
+/// The triangles of meshes among `stored_solids`, the last of these; null where there are none.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
@@ -17,6 +19,20 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     auto placed = scene.mesh_placed;
     if (placed) placed = transformed(*placed, stored);
     return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
+}
+
+/// The others among `stored_solids`.
+inline std::vector<Solid<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
+    file::Scene others = scene;
+    others.mesh = nullptr;
+    return stored_solids(others, f);
+}
+
+/// The solids, and two triangles for a mesh of more: enough to see of which shapes all are, and whether they are one.
+inline std::vector<Solid<double>> examples_of(std::vector<Solid<double>> solids, const MeshColumns* mesh) {
+    for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
+        solids.push_back((*mesh)[i]);
+    return solids;
 }
 
 /// Whether binary32 holds every number of the triangles.
