@@ -40,7 +40,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
     if (asked.empty()) return selection::measured(drawn, request.rows);
     scene::rays::RayGroup group;
-    group.solids = request.solids;
+    group.solids = scene::rays::examples_of(request.solids, request.mesh.get());
     if (group.solids.empty()) {
         group.solids.resize(1);
         group.solids.front().shape = asked.front().form->shape;
@@ -187,15 +187,16 @@ Exit run(const JudgeWords& o, const Common& common) {
     JudgeRequest request{.solids = selection::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    selection::put_under_matrices(*dump, request.solids);
-    const Shapes shapes = selection::shapes_of_rays(dump->layout(), request.solids);
+    const std::vector<Solid<double>> examples = scene::rays::examples_of(request.solids, request.mesh.get());
+    selection::put_under_matrices(*dump, examples);
+    const Shapes shapes = selection::shapes_of_rays(dump->layout(), examples);
     const selection::Meets meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = selection::contract_of(o, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
+    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : examples.front().shape;
     intersect::doors::require_front(contract.facing, shape, o.file);
     if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);

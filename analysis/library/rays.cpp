@@ -27,9 +27,11 @@ constexpr const char* whose = "rays";
 /// The arrays as a dump, and the solids that all rays share.
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
-    std::vector<Solid<double>> solids = {};                     ///< empty: each ray has its own
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles are the last of these; null: none
+    /// Each ray has its own where there are none, and no mesh.
+    std::vector<Solid<double>> solids = {};
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     Shape shape{};                                              ///< of the first
+    [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
 };
 
 void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
@@ -127,12 +129,12 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
-        made.solids = scene::rays::stored_solids(rays.scene->scene, format.parameters);
+        made.solids = scene::rays::stored_beside_mesh(rays.scene->scene, format.parameters);
         made.mesh = scene::rays::stored_mesh(rays.scene->scene, format.parameters);
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
-    selection::put_under_matrices(*made.dump, made.solids);
+    selection::put_under_matrices(*made.dump, made.examples());
     return made;
 }
 
@@ -160,7 +162,7 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
 }
 
 selection::Meets meets_of(const GivenRays& all) {
-    const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.solids);
+    const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.examples());
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
@@ -184,7 +186,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     request.metrics = selection::measured(asked, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
-        group.solids = all.solids;
+        group.solids = all.examples();
         if (group.solids.empty()) group.solids.emplace_back(all.shape);
         if (all.dump->layout().has_matrix()) group.solids.front().placed = selection::any_matrix();
         request.metrics = chosen.made.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
@@ -195,10 +197,10 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
 
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
+    const std::vector<Solid<double>> examples = all.examples();
     for (const ShapeRow& row : shape_rows) {
         const auto of = [&row](const Solid<double>& solid) { return solid.shape == row.shape; };
-        if (all.solids.empty() ? row.shape == all.shape : std::ranges::any_of(all.solids, of))
-            shapes.push_back(row.shape);
+        if (examples.empty() ? row.shape == all.shape : std::ranges::any_of(examples, of)) shapes.push_back(row.shape);
     }
     const auto summary =
         output::map::summary_table(request.metrics, shapes, all.mesh != nullptr, request.by ? "by" : "");
@@ -224,20 +226,31 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     return result;
 }
 
-/// Pieces of the rays, in parallel: `act(first, group)`, the group being rays from `first` on with their solids.
+/// Pieces of the rays, in parallel: `act(first, group, culler)`, the group being rays from `first` on with their
+/// solids, among which the culler, of at least `many` or of a mesh, finds those that matter; else null.
 template <class Act>
-void by_piece(GivenRays& all, std::size_t count, const std::function<void(std::uint64_t)>& advance, const Act& act) {
+void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t many, const Act& act) {
     constexpr std::size_t piece = 8192;
+    const auto advance = running.advancing(count);
+    std::optional<measure::culling::Culler> of_all;
+    if (all.mesh || all.solids.size() >= many) {
+        RayGroup solids;
+        solids.solids = all.solids, solids.mesh = all.mesh;
+        of_all.emplace(scene::rays::solid_list_of(solids));
+    }
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
         scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});
         RayGroup group;
         group.paired = !chunk.solids.empty();
         group.solids = group.paired ? std::move(chunk.solids) : all.solids;
+        group.mesh = group.paired ? nullptr : all.mesh;
         group.rays = std::move(chunk.rays);
         group.rays.width = static_cast<int>(n);
         group.rays.y1 = 1;
-        act(first, std::move(group));
+        std::optional<measure::culling::Culler> culler;
+        if (of_all && !group.paired) culler.emplace(*of_all, group.rays);
+        act(first, std::move(group), culler ? &*culler : nullptr);
         advance(n);
     });
 }
@@ -253,8 +266,8 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
                                               {"t", "number", "t", "its answer, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
-    by_piece(all, rays.count, running.advancing(rays.count), [&](std::size_t first, RayGroup group) {
-        const measure::truth::Band band(std::move(group), {.stop = running.stop()});
+    by_piece(all, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
+        const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
             const TestedForm& row = chosen.rows[r];
             const auto inputs = band.inputs_for(row.format, *row.form->info);
@@ -280,9 +293,10 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
                                                    {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
     const bool unit = contract.direction == intersect::Direction::unit;
-    by_piece(all, rays.count, running.advancing(rays.count), [&](std::size_t first, RayGroup group) {
+    constexpr std::size_t many = 64;
+    by_piece(all, running, rays.count, many, [&](std::size_t first, RayGroup group, auto* culler) {
         const bool paired = group.paired;
-        const measure::truth::Band band(std::move(group), {.stop = running.stop()});
+        const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
         for (std::size_t i = 0; i < band.pixels(); ++i) {
             const measure::truth::Truth truth = band.truth(i, contract.convention());
             table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);

@@ -93,11 +93,13 @@ std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::fil
     if (o.scene.empty()) return {};
     auto scene = load_one_scene({{o.scene}, "", "", {}, o.stop}, data);
     constexpr std::size_t most = 1024;
-    if (scene.solid_count() > most)
+    const std::size_t beside = scene.solid_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (beside > most)
         throw InputError(
-            fmt::format("--scene {}: has {} solids; every ray is asked about every one of them, and {} is the "
-                        "most; give each ray the solid that it meets in columns of the file",
-                        o.scene, scene.solid_count(), most));
+            fmt::format("--scene {}: has {} primitives beside its meshes; every ray is asked about every one of them, "
+                        "and {} is the most; give each ray the primitive that it meets in columns of the file, or "
+                        "write the scene as a mesh of triangles",
+                        o.scene, beside, most));
     return scene;
 }
 
@@ -111,7 +113,7 @@ std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scen
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format) {
-    if (scene) return scene::rays::stored_solids(*scene, format.parameters);
+    if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
     std::vector<Solid<double>> solids;
     for (const auto& [shape, text] : o.solids.given()) solids.push_back(solid_in_words(shape, text, format));
     return solids;

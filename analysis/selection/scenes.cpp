@@ -156,6 +156,13 @@ void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjec
 
 OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& files, const std::filesystem::path& data) {
     const auto aimed_at = scene_of(o, data);
+    constexpr std::size_t most = 1024;
+    if (aimed_at && aimed_at->solid_count() > most)
+        throw InputError(fmt::format(
+            "--scene {}: has {} primitives; a sample of the rays is asked about every one of them again and "
+            "again, and {} is the most; judge takes meshes of any size, or give each ray the primitive "
+            "that it meets in columns of the file",
+            o.scene, aimed_at->solid_count(), most));
     OpenedRays opened{.id = {}, .words = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> each;
     for (const std::string& file : files) {
@@ -168,8 +175,9 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
                     .solids = solids_given(o, aimed_at, opened.dump->format()),
                     .contract = contract_of(o, *opened.dump)};
     if (aimed_at) opened.terms.mesh = scene::rays::stored_mesh(*aimed_at, opened.dump->format().parameters);
-    put_under_matrices(*opened.dump, opened.terms.solids);
-    opened.shapes = shapes_of_rays(opened.dump->layout(), opened.terms.solids);
+    const std::vector<Solid<double>> examples = opened.terms.examples();
+    put_under_matrices(*opened.dump, examples);
+    opened.shapes = shapes_of_rays(opened.dump->layout(), examples);
     return opened;
 }
 

@@ -50,6 +50,26 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
     CHECK(a.front().at("worst_explain").empty());  // a file has no formula to explain
 }
 
+TEST_CASE("rays at a mesh of thousands of triangles are judged, and no ray takes the tree from the others") {
+    const Scratch scratch;
+    scratch.write("ball.toml",
+                  "schema = \"lostbits-scene/1\"\ninputs = \"shared\"\nsize = [8, 8]\n"
+                  "[camera]\nkind = \"orthographic\"\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
+                  "width = 2\n[[mesh]]\nmake = \"icosphere\"\nlevels = 5\n");
+    // A vertex of every level, which six triangles own; the squares of the last direction underflow.
+    scratch.write("rays.csv",
+                  "ox,oy,oz,dx,dy,dz,hit,t\n0,0,9,0,0,-1,1,8\n3,0,9,0,0,-1,0,\n"
+                  "0,0,9,0,0,1,1,3\n0,0,9,0,0,-1e-200,1,8e200\n");
+    must("judge rays.csv --scene ball.toml -i triangle.filtered" + into(scratch), scratch.path());
+    const auto rows = read_csv(scratch / "out/rays/summary.csv");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].at("agree_hit") == "2");
+    CHECK(rows[0].at("agree_miss") == "1");
+    CHECK(rows[0].at("false_hit") == "1");
+    CHECK(rows[1].at("agree_miss") == "2");
+    CHECK(rows[1].at("false_miss") == "0");
+}
+
 TEST_CASE("judged rays are grouped by a column of the file") {
     const Scratch scratch;
     const auto r = must("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));

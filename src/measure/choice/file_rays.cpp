@@ -21,10 +21,11 @@ public:
         }
     }
 
-    scene::rays::RayGroup take(const std::vector<Solid<double>>& solids) {
+    scene::rays::RayGroup take(const FileTerms& terms) {
         sample_.rays.be_list();
         sample_.paired = !sample_.solids.empty();
-        if (!sample_.paired) sample_.solids = solids;
+        if (!sample_.paired)
+            sample_.solids = scene::rays::solid_list_of({{}, terms.solids, {}, false, terms.mesh}).all();
         return std::move(sample_);
     }
 
@@ -57,7 +58,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump.layout().solid() ? *dump.layout().solid() : terms.solids.front().shape;
+    const Shape shape = dump.layout().solid() ? *dump.layout().solid() : terms.examples().front().shape;
     const judge::FileForm answers(terms.id, shape, contract);
     if (dump.layout().has_answers()) {
         asked.file_form = &answers.form();
@@ -76,7 +77,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), worth};
         else rays.worth.push_back(worth);
     }
-    rays.sample = sampler.take(terms.solids);
+    rays.sample = sampler.take(terms);
     return rays;
 }
 

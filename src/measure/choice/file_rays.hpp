@@ -10,6 +10,7 @@
 #include "measure/choice/candidates.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/rays/rays.hpp"
+#include "scene/rays/stored_mesh.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -33,13 +34,14 @@ struct FileRays {
 
 /// Properties of the files that the command line gives, besides their columns.
 struct FileTerms {
-    std::string id;                                             ///< names the results
-    std::vector<Solid<double>> solids = {};                     ///< of all rays; empty: each ray has its own
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles are the last of these primitives;
-                                                                ///< null: no mesh
+    std::string id;  ///< what results are called
+    /// Of all rays; each has its own where there are none, and no mesh.
+    std::vector<Solid<double>> solids = {};
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     intersect::Info contract{};                                 ///< of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+    [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
 };
 
 /// Reads the dump to its end, for the rows, requirement and limit of the request. Throws InputError as

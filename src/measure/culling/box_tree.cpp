@@ -51,27 +51,50 @@ double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatF
 /// Smaller lengths are roots of squares that may have lost bits, or all of them, to underflow.
 constexpr double least_trusted = 0x1p-400;
 
-/// Bounding box of a primitive, widened by `growth`; under a matrix, the box of the ball around it. Nothing if it is
-/// not finite or cannot be trusted, and if the primitive has none: a plane, or one under a stored inverse.
-std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth) {
+/// The box of a solid, under a matrix that of the ball around it. Nothing where it is not to be trusted, and where the
+/// solid has none: a plane, or one under a stored inverse.
+std::optional<Hull<double>> wide_box_of(const Solid<double>& solid) {
     if (!has_hull(solid.shape) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
-    Hull<double> hull;
     if (solid.placed) {
         const auto own = visit(solid, [](const auto& shape) { return shape.ball_around(); });
         if (!(std::min(own.radius, frobenius(solid.placed->map().rows)) >= least_trusted)) return std::nullopt;
         const auto ball = ball_around(solid);
-        const double reach = ball.radius * (1 + 0x1p-40);  // the radius is rounded
-        hull = {ball.centre - Vec<double>(reach, reach, reach), ball.centre + Vec<double>(reach, reach, reach)};
-    } else {
-        hull = hull_of(solid);
+        const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
+        return Hull<double>{ball.centre - Vec<double>(reach, reach, reach),
+                            ball.centre + Vec<double>(reach, reach, reach)};
     }
+    return hull_of(solid);
+}
+
+/// The same, wider by `growth`, in units of 2^shift. Lengths that vanish there are less than the margin.
+std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth, int shift) {
+    const auto hull = wide_box_of(solid);
+    if (!hull) return std::nullopt;
     std::array<float, 6> box;
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        box[i] = below(hull.lo[k] - growth), box[i + 3] = above(hull.hi[k] + growth);
+        box[i] = below(std::ldexp(hull->lo[k] - growth, -shift));
+        box[i + 3] = above(std::ldexp(hull->hi[k] + growth, -shift));
     }
     if (!std::ranges::all_of(box, [](float x) { return std::isfinite(x); })) return std::nullopt;
     return box;
+}
+
+/// The power of two that boxes are measured in, from that of the median of some solids. Any would do.
+int shift_of(const SolidList<double>& solids) {
+    constexpr std::size_t looked_at = 1023;
+    constexpr int far_from_the_ends_of_binary32 = 100;
+    std::vector<int> powers;
+    for (std::size_t i = 0; i < solids.size(); i += solids.size() / looked_at + 1) {
+        const auto box = wide_box_of(solids[i]);
+        double reach = 0;
+        for (int k = 0; box && k < 3; ++k) reach = std::max({reach, std::fabs(box->lo[k]), std::fabs(box->hi[k])});
+        if (reach > 0 && std::isfinite(reach)) powers.push_back(std::ilogb(reach));
+    }
+    if (powers.empty()) return 0;
+    const auto median = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
+    std::ranges::nth_element(powers, median);
+    return std::abs(*median) <= far_from_the_ends_of_binary32 ? 0 : *median;
 }
 
 std::array<float, 6> around(const std::array<float, 6>& a, const std::array<float, 6>& b) {
@@ -84,35 +107,37 @@ std::array<float, 6> around(const std::array<float, 6>& a, const std::array<floa
 
 std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, const RayBounds& bounds,
                                              const FloatFormat* format) {
-    if (!std::isfinite(bounds.origin) || !(bounds.least_direction > 0)) return nullptr;
     std::shared_ptr<BoxTree> tree(new BoxTree);
     const double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
+    const int shift = tree->shift_ = shift_of(solids);
+    const bool has_mesh = solids.mesh() != nullptr;
     std::vector<Corners> boxes(solids.size());
     double reach = 0, widest = rounding, growth_of_all = 0;
     for (std::uint32_t i = 0; i < solids.size(); ++i) {
         const Solid<double> solid = solids[i];
         const double growth = format ? growth_of(solid, bounds, *format) : 0;
-        const auto box = box_of(solid, growth);
+        const auto box = box_of(solid, growth, shift);
         const Spread spread(solid);
         // Under a matrix, a rounded inverse is off by κu of itself. An error in the space of the primitive becomes κ
         // times as large in the world.
         const double its_rounding = solid.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
         if (!box || (solid.placed && format && !(its_rounding < 0x1p-5))) {
             tree->asked_each_.push_back(i);
-            if (tree->asked_each_.size() > most_asked_each) return nullptr;
+            if (!has_mesh && tree->asked_each_.size() > most_asked_each) return nullptr;
             continue;
         }
         tree->order_.push_back(i);
         boxes[i] = *box;
-        reach = std::max(reach, spread.size), widest = std::max(widest, its_rounding);
+        reach = std::max(reach, std::ldexp(spread.size, -shift)), widest = std::max(widest, its_rounding);
         growth_of_all = std::max(growth_of_all, growth);
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
-    if (tree->order_.empty()) return nullptr;
-    // |(x, y, z)| ≤ √3 max |x|. Squares of lengths below the least float may underflow, and so may a margin times
+    if (tree->order_.empty()) return has_mesh ? tree : nullptr;
+    // |(x, y, z)| ≤ √3 max |x|. Of lengths below the least float squares may underflow, and so may a margin times
     // 1/|d|.
-    tree->margin_ = (0x1p-40 + std::min(widest, 0x1p-5)) * (bounds.origin + 1.75 * reach + 0x1p-149);
-    tree->behind_ = growth_of_all;
+    tree->relative_ = 0x1p-40 + std::min(widest, 0x1p-5);
+    tree->reach_ = 1.75 * reach + 0x1p-149;
+    tree->behind_ = std::ldexp(growth_of_all, -shift);
     tree->nodes_.reserve(tree->order_.size());
     tree->build(boxes, 0, static_cast<std::uint32_t>(tree->order_.size()));
     tree->nodes_.shrink_to_fit();
@@ -146,22 +171,81 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std:
     build(boxes, half, end);
 }
 
+double BoxTree::least_distance(const Vec<double>& p, std::uint32_t i) const {
+    const Corners& box = nodes_[i].box;
+    Vec<double> beside(0, 0, 0);
+    double size = reach_;
+    for (int k = 0; k < 3; ++k) {
+        const auto c = static_cast<std::size_t>(k);
+        const double x = std::ldexp(p[k], -shift_);
+        beside[k] = std::max({0.0, static_cast<double>(box[c]) - x, x - static_cast<double>(box[c + 3])});
+        size += std::fabs(x);
+    }
+    return std::ldexp(length(beside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
+}
+
+namespace {
+
+double largest(const Vec<double>& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+
+/// Some number that is not finite, or no direction.
+bool is_no_ray(const Ray<double>& ray) {
+    const auto finite = [](const Vec<double>& v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    return !finite(ray.origin) || !finite(ray.direction) || largest(ray.direction) == 0;
+}
+
+/// Components of a direction whose largest is 1 or more are taken for no less than it: 1/d stays finite.
+constexpr double least_component = 0x1p-1000;
+
+/// |v| or more, where squares overflow or underflow too.
+double size_of_any(const Vec<double>& v) {
+    const double size = length(v), largest_of_v = largest(v);
+    return std::isfinite(size) ? std::max(size, largest_of_v) : 1.75 * largest_of_v;
+}
+
+}  // namespace
+
 void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
     found = asked_each_;
-    const Vec<double>&o = ray.origin, &d = ray.direction;
-    const Vec<double> inverse(1 / d.x, 1 / d.y, 1 / d.z);
+    if (order_.empty()) return;
+    if (!is_no_ray(ray)) find_met(ray, found);
+    else found.insert(found.end(), order_.begin(), order_.begin() + std::min(order_.size(), most_for_no_ray));
+    std::ranges::sort(found);
+}
+
+void BoxTree::find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
+    Vec<double> o(std::ldexp(ray.origin.x, -shift_), std::ldexp(ray.origin.y, -shift_),
+                  std::ldexp(ray.origin.z, -shift_));
+    if (!std::isfinite(largest(o))) {
+        found.insert(found.end(), order_.begin(), order_.end());
+        return;
+    }
+    const int e = std::ilogb(largest(ray.direction));
+    const Vec<double> d(std::ldexp(ray.direction.x, -e), std::ldexp(ray.direction.y, -e),
+                        std::ldexp(ray.direction.z, -e));
+    const double margin = relative_ * size_of_any(o) + relative_ * reach_;
     const double before = behind_ == 0 ? 0 : -behind_ / length(d);
+    // Of each axis the corner that is entered through, and the one that is left through.
+    std::array<std::size_t, 3> in, out;
+    std::array<double, 3> o_in, o_out, inverse;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto axis = static_cast<int>(k);
+        const bool up = !std::signbit(d[axis]);
+        in[k] = up ? k : k + 3, out[k] = up ? k + 3 : k;
+        o_in[k] = up ? o[axis] + margin : o[axis] - margin;
+        o_out[k] = up ? o[axis] - margin : o[axis] + margin;
+        inverse[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
+    }
     const auto may_meet = [&](const Corners& box) {
-        double enter = before, leave = HUGE_VAL;
-        for (int k = 0; k < 3; ++k) {
-            const double lo = static_cast<double>(box[static_cast<std::size_t>(k)]) - margin_ - o[k],
-                         hi = static_cast<double>(box[static_cast<std::size_t>(k + 3)]) + margin_ - o[k];
-            if (d[k] == 0 && (lo > 0 || hi < 0)) return false;
-            if (std::isinf(inverse[k])) continue;  // the component is zero, or so small that 1/d overflows
-            const double a = lo * inverse[k], b = hi * inverse[k];
-            enter = std::max(enter, std::min(a, b));
-            leave = std::min(leave, std::max(a, b));
-        }
+        const auto crossing = [&](std::size_t corner, double from, std::size_t k) {
+            return (static_cast<double>(box[corner]) - from) * inverse[k];
+        };
+        const double enter = std::max(std::max(before, crossing(in[0], o_in[0], 0)),
+                                      std::max(crossing(in[1], o_in[1], 1), crossing(in[2], o_in[2], 2)));
+        const double leave = std::min(std::min(crossing(out[0], o_out[0], 0), crossing(out[1], o_out[1], 1)),
+                                      crossing(out[2], o_out[2], 2));
         return enter <= leave;
     };
     std::array<std::uint32_t, 64> later;  // nodes to visit: a tree over 2^32 primitives is 32 deep
@@ -178,7 +262,6 @@ void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& fou
             later[waiting++] = i + 1;
         }
     }
-    std::ranges::sort(found);
 }
 
 }  // namespace lostbits::measure::culling

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "measure/culling/culling.hpp"
@@ -11,13 +13,20 @@
 
 namespace lostbits::measure::culling {
 
-/// Tree of boxes. Every primitive that has a box lies in that of its leaf, and every box in that of its parent. Corners
-/// are binary32, rounded outward. Planes, and primitives without a bound here, are candidates of every ray.
+/// Every solid that has a box lies in that of its leaf, and every box in that of its parent. Corners are binary32,
+/// rounded outward, in units of a power of two: 1, but for scenes so large or small that binary32 would not hold them.
+/// A plane, and what nothing bounds here, is a candidate of every ray.
 ///
-/// A ray is tested against a box widened by m on each side: m = (2^-40 + min(8 u, 2^-5)) (|O| + R). R is the largest
-/// distance of the primitives from the world's origin, and at least 2^-149. u is the unit roundoff of the format of the
-/// forms, and 0 for the truth. In this file's arithmetic, a crossing (b − o)/d of a slab is off by less than 4·2^-53
-/// (|O| + R + m)/|d|, which 2^-40 of that covers. So no primitive is missed that the line meets.
+/// A ray is held against a box that is wider by m on each side: m = (2^-40 + min(8 u, 2^-5)) (|O| + R), with O its own
+/// origin, R how far from the world's origin the solids reach and no less than 2^-149, u the unit roundoff of the
+/// format whose forms are asked, 0 for the truth. No other ray enters: one tree serves all rays of a file.
+/// No solid is missed that the line meets. The direction is scaled by a power of two, so that its largest component has
+/// 1 ≤ |d| < 2, and no component is taken for less than 2^-1000: that, and what becomes subnormal, moves no point of
+/// the line in a box, where t ≤ |O| + R, by more than 2^-1000 (|O| + R). A crossing (b − (o ± m))/d of a slab takes
+/// four roundings, of which the last may be to a subnormal number: it is off by less than 5·2^-53 (|O| + R + m)/|d| +
+/// 2^-1074. The margin moves it by m/|d| ≥ 2^-40 (|O| + R)/|d| and ≥ 2^-190, which is more than all of that: what is
+/// computed lies outside of the crossing of the box itself. One that overflows is infinite, and lies outside too. An
+/// origin that overflows in the tree's unit has all as candidates.
 ///
 /// Forms of a primitive with a length, such as a radius, square it. For them the box is also wider by √(64 u B), with B
 /// of the index of spheres (`culling.hpp`). As √(r² + x) ≤ r + √x, that covers all that rounding can make a form of
@@ -32,12 +41,45 @@ public:
     /// Limit on the primitives without a box: they are tested for every ray.
     static constexpr std::size_t most_asked_each = 64;
 
-    /// Makes a tree. Returns nothing if no tree can be trusted (a number of the rays is not finite), if no primitive
-    /// has a box, and if more than `most_asked_each` have none. `format` null: for the truth.
+    /// Of what is no ray (a number that is not finite, no direction), which meets nothing, only so many solids are
+    /// candidates: what forms answer to it is measured on small scenes.
+    static constexpr std::size_t most_for_no_ray = 1024;
+
+    /// Nothing where no solid has a box, and where more than `most_asked_each` have none; but for those of meshes,
+    /// whose cracks are told by their candidates. `format` null: for the truth. `bounds` enters for forms of solids
+    /// with a length alone; where it is not finite these are without a box.
     static std::shared_ptr<const BoxTree> make(const scene::rays::SolidList<double>& solids, const RayBounds& bounds,
                                                const FloatFormat* format);
 
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
+
+    /// The solid of the least `distance(solid)`, the first of those with the same: distances of p from their surfaces,
+    /// or from their insides, known to 2^-40 (|p| + R). The first solid where p is not finite.
+    template <class Distance>
+    [[nodiscard]] std::uint32_t nearest(const Vec<double>& p, const Distance& distance) const {
+        double best = HUGE_VAL;
+        std::uint32_t found = 0;
+        const auto ask = [&](std::uint32_t solid) {
+            const double d = distance(solid);
+            if (d < best || (d == best && solid < found)) best = d, found = solid;
+        };
+        if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
+        for (const std::uint32_t solid : asked_each_) ask(solid);
+        std::vector<std::pair<double, std::uint32_t>> later;
+        if (!nodes_.empty()) later.push_back({0, 0});  // how far a node is at least, and its place
+        while (!later.empty()) {
+            const auto [least, i] = later.back();
+            later.pop_back();
+            if (least > best) continue;
+            const Node& node = nodes_[i];
+            for (std::uint32_t k = 0; k < node.count; ++k) ask(order_[node.next + k]);
+            if (node.count > 0) continue;
+            std::pair near(least_distance(p, i + 1), i + 1), far(least_distance(p, node.next), node.next);
+            if (far.first < near.first) std::swap(near, far);
+            later.push_back(far), later.push_back(near);
+        }
+        return found;
+    }
 
 private:
     using Corners = std::array<float, 6>;  ///< lo.x lo.y lo.z hi.x hi.y hi.z
@@ -49,11 +91,15 @@ private:
     static constexpr std::size_t most_in_leaf = 4;
 
     void build(const std::vector<Corners>& boxes, std::uint32_t begin, std::uint32_t end);
+    void find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
+    /// How far p is from the box of node i, less the margin of distances.
+    [[nodiscard]] double least_distance(const Vec<double>& p, std::uint32_t i) const;
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_, asked_each_;
-    double margin_ = 0;
-    double behind_ = 0;  ///< distance before the origin at which a box may end and still be met
+    int shift_ = 0;                    ///< corners, and the lengths below, are in units of 2^shift_
+    double relative_ = 0, reach_ = 0;  ///< m = relative_ (|O| + reach_)
+    double behind_ = 0;                ///< how far in front of the origin a box may end
 };
 
 }  // namespace lostbits::measure::culling

@@ -149,6 +149,8 @@ Culler::Culler(const scene::file::Scene& scene) {
         bounds_ =
             join(bounds_, bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
     }
+    // Ideal rays may be rays whose numbers doubles do not hold.
+    if (own && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
     truth_ = index_of(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
@@ -160,23 +162,36 @@ Culler::Culler(SolidList<double> solids, const scene::rays::RayBlock& rays)
     if (are_many(stored_)) truth_ = index_of(stored_, bounds_, nullptr);
 }
 
-std::shared_ptr<const SolidIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
-    return index_in(forms_, format, solids, true);
-}
-std::shared_ptr<const SolidIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
-    return index_in(own_truths_, format, solids, false);
+Culler::Culler(SolidList<double> solids) : bounds_{HUGE_VAL, 0, HUGE_VAL}, stored_(std::move(solids)) {
+    if (are_many(stored_)) truth_ = BoxTree::make(stored_, bounds_, nullptr);
 }
 
-std::shared_ptr<const SolidIndex> Culler::index_in(Indices& known, const FloatFormat& format,
-                                                   const SolidList<double>& solids, bool widened) {
-    const auto [place, fresh] = known.try_emplace({format.precision, format.emin, format.emax});
-    if (fresh && are_many(solids)) {
-        // Bounds of the rays as the format rounds them.
+Culler::Culler(const Culler& of_all, const scene::rays::RayBlock& rays)
+    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(of_all.stored_), truth_(of_all.truth_), of_all_(&of_all) {}
+
+std::shared_ptr<const SolidIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
+    return index_for(For::forms, format, solids);
+}
+std::shared_ptr<const SolidIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
+    return index_for(For::own_truth, format, solids);
+}
+
+std::shared_ptr<const SolidIndex> Culler::index_for(For use, const FloatFormat& format,
+                                                    const SolidList<double>& solids) const {
+    if (!are_many(solids)) return nullptr;
+    if (of_all_) {
+        if (auto common = of_all_->index_for(use, format, solids)) return common;
+    }
+    // Nothing in here waits for other threads, which might wait for this one.
+    const std::scoped_lock lock(made_->making);
+    const auto [place, fresh] = made_->indices.try_emplace({use, format.precision, format.emin, format.emax});
+    if (fresh) {
+        // The rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
         place->second = index_of(
             solids,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
-            widened ? &format : nullptr);
+            use == For::forms ? &format : nullptr);
     }
     return place->second;
 }

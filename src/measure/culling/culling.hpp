@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -139,6 +141,12 @@ public:
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::SolidList<double> solids, const scene::rays::RayBlock& rays);
+    /// Of rays that come in blocks; and of one of the blocks, which shares every index that no bounds on rays enter.
+    /// Several threads may make and ask those of blocks; `of_all` outlives them.
+    explicit Culler(scene::rays::SolidList<double> solids);
+    Culler(const Culler& of_all, const scene::rays::RayBlock& rays);
+    Culler(Culler&&) = default;
+    Culler& operator=(Culler&&) = default;
 
     /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
     [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }
@@ -157,10 +165,16 @@ private:
     scene::rays::SolidList<Real> ideal_;
     scene::rays::SolidList<double> stored_;
     std::shared_ptr<const SolidIndex> truth_;
-    using Indices = std::map<std::array<int, 3>, std::shared_ptr<const SolidIndex>>;
-    std::shared_ptr<const SolidIndex> index_in(Indices& known, const FloatFormat& format,
-                                               const scene::rays::SolidList<double>& solids, bool widened);
-    Indices forms_, own_truths_;
+    enum class For : std::uint8_t { forms, own_truth };
+    /// Indices that are made when they are first asked for.
+    struct Made {
+        std::mutex making;
+        std::map<std::tuple<For, int, int, int>, std::shared_ptr<const SolidIndex>> indices;
+    };
+    std::shared_ptr<const SolidIndex> index_for(For use, const FloatFormat& format,
+                                                const scene::rays::SolidList<double>& solids) const;
+    const Culler* of_all_ = nullptr;
+    std::unique_ptr<Made> made_ = std::make_unique<Made>();
 };
 
 /// True if a ray may start in the primitive or on it. False only if bounds on all roundings prove that it does not;

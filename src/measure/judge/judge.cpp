@@ -7,10 +7,12 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <ranges>
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/union_field.hpp"
+#include "measure/culling/box_tree.hpp"
 #include "measure/culling/culling.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
@@ -63,11 +65,16 @@ constexpr std::size_t most_of_first = 4096;  // limit of JudgeResult::first
 class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const ShowJudged& show)
-        : dump_(dump), request_(request), show_(show), file_(request.file_place()) {
+        : dump_(dump),
+          request_(request),
+          show_(show),
+          file_(request.file_place()),
+          solids_(scene::rays::solid_list_of(group_of_solids())) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         const bool each_its_own = dump.layout().solid() || dump.layout().has_matrix();
-        if (!each_its_own) dump.number_primitives(request.solids.size());
+        if (!each_its_own) dump.number_primitives(solids_.size());
+        if (!each_its_own && request.mesh) culler_.emplace(solids_);
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
@@ -141,20 +148,25 @@ private:
         group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(rows ? n / width : 1);
         group.paired = !chunk.solids.empty();
-        if (group.paired) group.solids = chunk.solids;
-        else put_solids(group);
+        if (group.paired) {
+            group.solids = chunk.solids;
+        } else {
+            group.solids = request_.solids;
+            group.mesh = request_.mesh;
+        }
         group.march = request_.march;
-        if (group.mesh) piece.culler = std::make_unique<culling::Culler>(scene::rays::solid_list_of(group), group.rays);
+        if (group.mesh && culler_) piece.culler = std::make_unique<culling::Culler>(*culler_, group.rays);
         piece.band = std::make_unique<Band>(std::move(group), request_.limit, piece.culler.get());
         piece.shared.emplace(*piece.band, request_.rows, request_.metrics);
         if (file_) piece.answers = answers_of(piece);
     }
 
-    /// Sets the primitives of all rays. A mesh is kept as a mesh: only meshes have cracks and double hits.
-    void put_solids(RayGroup& group) const {
-        const std::size_t triangles = request_.mesh ? request_.mesh->size() : 0;
-        group.solids.assign(request_.solids.begin(), request_.solids.end() - static_cast<std::ptrdiff_t>(triangles));
+    /// The solids of all rays, a mesh as such: only of one there are cracks and double hits.
+    [[nodiscard]] RayGroup group_of_solids() const {
+        RayGroup group;
+        group.solids = request_.solids;
         group.mesh = request_.mesh;
+        return group;
     }
 
     [[nodiscard]] answer::Answers answers_of(const Piece& piece) const {
@@ -174,14 +186,18 @@ private:
     [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
         const Chunk& chunk = piece.chunk;
         if (!chunk.solids.empty()) return static_cast<std::int32_t>(i);
-        if (request_.solids.size() == 1) return 0;
+        if (solids_.size() == 1) return 0;
         if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
         const truth::Truth& truth = piece.band->truth(i, file_row().convention());
         if (truth.is_hit()) return truth.object;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
-        const auto distance = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
-        return static_cast<std::int32_t>(std::ranges::min_element(request_.solids, {}, distance) -
-                                         request_.solids.begin());
+        const auto distance = [this, &p](std::size_t s) {
+            return std::fabs(intersect::table::distance(solids_[s], p));
+        };
+        const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->for_truth() : nullptr);
+        if (tree) return static_cast<std::int32_t>(tree->nearest(p, distance));
+        const auto all = std::views::iota(std::size_t{0}, solids_.size());
+        return static_cast<std::int32_t>(*std::ranges::min_element(all, {}, distance));
     }
 
     void measure(Piece& piece) {
@@ -252,8 +268,10 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_;  ///< index of the row of the file's answers
-    std::uint64_t read_ = 0;           ///< number of pieces read
+    std::optional<std::size_t> file_;             ///< the place of its row
+    scene::rays::SolidList<double> solids_;       ///< of all rays
+    std::optional<culling::Culler> culler_ = {};  ///< of all rays among those, which have a mesh
+    std::uint64_t read_ = 0;                      ///< pieces
     bool failed_ = false;
     JudgeResult result_;
 };

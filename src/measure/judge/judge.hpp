@@ -33,9 +33,9 @@ private:
 };
 
 struct JudgeRequest {
-    std::vector<Solid<double>> solids = {};  ///< of all rays, in the dump's format; empty: each ray has its own
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles are the last of these primitives;
-                                                                ///< null: no mesh
+    /// Of all rays, numbers of the dump's format; each ray has its own where there are none, and no mesh.
+    std::vector<Solid<double>> solids = {};
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< form of the file's answers; null: the file has none

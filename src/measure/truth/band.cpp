@@ -22,9 +22,14 @@ using scene::rays::SolidList;
 
 namespace {
 
-/// Whether binary32 holds every number of the group. A NaN is one in any format.
-bool fits_binary32(const scene::rays::RayGroup& group) {
-    bool fits = !group.mesh || scene::rays::fits_binary32(*group.mesh);
+/// The solids of a group: those of its culler, where it has one.
+SolidList<double> solids_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
+    return culler ? culler->shared() : scene::rays::solid_list_of(group);
+}
+
+/// Whether binary32 holds every number of the group, whose solids are also in a list. A NaN is one in any format.
+bool fits_binary32(const scene::rays::RayGroup& group, const SolidList<double>& solids) {
+    bool fits = !group.mesh || solids.made().inputs == scene::file::Inputs::shared;
     const auto look = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
@@ -34,6 +39,11 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
     for (const Solid<double>& solid : group.solids) static_cast<void>(transformed(solid, look));
     if (group.march) transformed(*group.march, look);
     return fits;
+}
+
+/// Whether every double is a number of the format.
+bool holds_binary64(const FloatFormat& f) {
+    return f.precision >= binary64.precision && f.emin <= binary64.emin && f.emax >= binary64.emax;
 }
 
 RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::process::StopToken stop) {
@@ -83,11 +93,11 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit, culling::Culler* culle
       y0_(group.rays.y0),
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
-      in_binary32_(fits_binary32(group)),
       paired_(group.paired),
-      shared_(std::move(group.rays)),
-      shared_solids_(scene::rays::solid_list_of(group)),
+      shared_solids_(solids_of(group, culler)),
       shared_march_(group.march) {
+    in_binary32_ = fits_binary32(group, shared_solids_);
+    shared_ = std::move(group.rays);
     find_truth_of_all();
 }
 
@@ -95,7 +105,7 @@ Band::Band(const scene::file::Scene& scene, RayBlock one, culling::Culler& culle
     : culler_(&culler),
       rows_(1),
       limit_(limit),
-      in_binary32_(fits_binary32({one, {}})),
+      in_binary32_(fits_binary32({one, {}}, {})),
       shared_(std::move(one)),
       shared_solids_(culler.shared()) {
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
@@ -228,10 +238,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         in.ideal = wide && in_binary32_;
         in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
         in.solids = round_solids(shared_solids_, shape);
-        for (std::size_t i = 0; wide && !in.ideal; ++i) {
-            if (i == pixels()) in.ideal = true;
-            else if (!keeps(in, i)) break;
-        }
+        if (wide && !in.ideal) in.ideal = holds_binary64(shape) || keeps_all(in);
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
@@ -266,27 +273,52 @@ Truth FormatInputs::own(std::size_t i, Convention convention) const {
     return apart ? own_apart.at(key_of(i, convention)) : closed;
 }
 
-bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
-    const auto same = [](double stored, const auto& given) {
-        return stored == given || (std::isnan(stored) && given != given);
-    };
+namespace {
+
+constexpr auto is_same = [](double stored, const auto& given) {
+    return stored == given || (std::isnan(stored) && given != given);
+};
+
+template <class Holds>
+bool all_below(std::size_t count, const Holds& holds) {
+    for (std::size_t i = 0; i < count; ++i)
+        if (!holds(i)) return false;
+    return true;
+}
+
+}  // namespace
+
+bool Band::keeps_ray(const FormatInputs& inputs, std::size_t i) const {
+    const auto same = is_same;
     const auto same_vec = [&](const Vec<double>& stored, const auto& given) {
         return same(stored.x, given.x) && same(stored.y, given.y) && same(stored.z, given.z);
     };
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
+    return with_ray(i, [&](const auto& ray, const auto&) {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
         const Range<double> stored_range = inputs.rays.range(i), given_range = range(i);
-        if (!same(stored_range.tmin, given_range.tmin) || !same(stored_range.tmax, given_range.tmax)) return false;
-        for (std::size_t k = paired_ ? i : 0; k < (paired_ ? i + 1 : solids.size()); ++k) {
-            const auto stored_solid = inputs.solids[k];
-            const auto given = solids[k];
-            if (!std::ranges::equal(stored_solid.used(), given.used(), same)) return false;
-            if (given.placed && !std::ranges::equal(stored_solid.placed->matrix, given.placed->matrix, same))
-                return false;
-        }
-        return true;
+        return same(stored_range.tmin, given_range.tmin) && same(stored_range.tmax, given_range.tmax);
     });
+}
+
+bool Band::keeps_solid(const FormatInputs& inputs, std::size_t k) const {
+    return with_ray(0, [&](const auto&, const auto& solids) {
+        const auto stored_solid = inputs.solids[k];
+        const auto given = solids[k];
+        if (!std::ranges::equal(stored_solid.used(), given.used(), is_same)) return false;
+        return !given.placed || std::ranges::equal(stored_solid.placed->matrix, given.placed->matrix, is_same);
+    });
+}
+
+bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
+    if (!keeps_ray(inputs, i)) return false;
+    if (paired_) return keeps_solid(inputs, i);
+    return all_below(inputs.solids.size(), [&](std::size_t k) { return keeps_solid(inputs, k); });
+}
+
+bool Band::keeps_all(const FormatInputs& inputs) const {
+    return all_below(pixels(), [&](std::size_t i) { return keeps_ray(inputs, i); }) &&
+           all_below(pixels() == 0 ? 0 : inputs.solids.size(), [&](std::size_t k) { return keeps_solid(inputs, k); });
 }
 
 Ray<Real> Band::true_ray(std::size_t i) const {

@@ -56,6 +56,8 @@ public:
     /// True where `inputs`, which are of this band, hold ray i and the primitives as they were given: the format
     /// rounded none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
+    /// Whether all rays and solids are in them so.
+    [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or makes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
     /// The camera whose rays each format makes; null where it rounds them.
@@ -90,7 +92,9 @@ public:
 
 private:
     void find_truth_of_all();
-    /// True where it is proved that ray i meets its first primitive from a side that counts.
+    [[nodiscard]] bool keeps_ray(const FormatInputs& inputs, std::size_t i) const;
+    [[nodiscard]] bool keeps_solid(const FormatInputs& inputs, std::size_t k) const;
+    /// Whether what ray i truly meets first is proved to be met from a side that counts.
     [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
 
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;

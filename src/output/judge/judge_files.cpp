@@ -35,9 +35,7 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
     if (dump.layout().solid()) scene.listed.emplace_back(*dump.layout().solid());
-    const std::size_t triangles = request.mesh ? request.mesh->size() : 0;
-    for (const Solid<double>& solid : std::span(request.solids).first(request.solids.size() - triangles))
-        scene.listed.emplace_back(solid.shape);
+    for (const Solid<double>& solid : request.solids) scene.listed.emplace_back(solid.shape);
     if (request.mesh) scene.mesh = {request.mesh, &request.mesh->mesh()};
     return scene;
 }

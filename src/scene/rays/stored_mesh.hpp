@@ -1,13 +1,15 @@
 // The mesh of a scene in the numbers in which it is stored.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "scene/rays/solid_list.hpp"
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes, which are the last of `stored_solids`; null if there are none.
+/// The triangles of meshes among `stored_solids`, the last of these; null where there are none.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
@@ -19,7 +21,21 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
 }
 
-/// True if binary32 holds every number of the triangles.
+/// The others among `stored_solids`.
+inline std::vector<Solid<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
+    file::Scene others = scene;
+    others.mesh = nullptr;
+    return stored_solids(others, f);
+}
+
+/// The solids, and two triangles for a mesh of more: enough to see of which shapes all are, and whether they are one.
+inline std::vector<Solid<double>> examples_of(std::vector<Solid<double>> solids, const MeshColumns* mesh) {
+    for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
+        solids.push_back((*mesh)[i]);
+    return solids;
+}
+
+/// Whether binary32 holds every number of the triangles.
 inline bool fits_binary32(const MeshColumns& triangles) {
     bool fits = true;
     const auto look = [&fits](double x) {

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/table/sets.hpp"
+#include "intersect/table/union_field.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/culling/box_tree.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/random.hpp"
+#include "number/rounded.hpp"
 #include "scene/rays/rays.hpp"
 #include "shapes/hull.hpp"
 
@@ -200,6 +204,125 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
     }
 }
 
+namespace {
+
+/// Closed, open, with edges of three faces and faces given twice, in planes of two axes: some 500 triangles about the
+/// origin, within 1 of it, in units of 2^power of a format.
+std::shared_ptr<const scene::rays::MeshColumns> mesh_of(Draw& draw, int power, const FloatFormat& format) {
+    auto mesh = std::make_shared<scene::triangle::Mesh>();
+    const auto scaled = [&](double x) { return rounding::to_format(std::ldexp(x, power), 0, format); };
+    constexpr std::uint32_t side = 13;
+    const auto add_grid = [&](double bump, int up) {
+        const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
+        for (std::uint32_t i = 0; i < side * side; ++i) {
+            Vec<double> v(i % side / 6.0 - 1, i / side / 6.0 - 1, bump * draw.in(-1, 1));
+            if (up > 0) std::swap(v[up - 1], v.z);
+            mesh->vertices.push_back({scaled(v.x), scaled(v.y), scaled(v.z)});
+        }
+        for (std::uint32_t i = 0; i + side < side * side; ++i) {
+            if (i % side == side - 1 || draw.in(0, 1) < 0.25) continue;
+            const std::uint32_t a = first + i, b = a + 1, c = a + side, d = c + 1;
+            mesh->faces.push_back({a, b, d}), mesh->faces.push_back({a, d, c});
+        }
+    };
+    add_grid(0, 0), add_grid(0, 1), add_grid(0.5, 2);
+    for (std::size_t i = 0; i < 20; ++i) mesh->faces.push_back(mesh->faces[7 * i]);
+    scene::triangle::tidy(*mesh, [](std::size_t i) { return std::to_string(i); });
+    const auto inputs = format.precision == binary32.precision ? scene::file::Inputs::shared : scene::file::Inputs::own;
+    return std::make_shared<const scene::rays::MeshColumns>(mesh, std::nullopt, inputs);
+}
+
+/// A component of a direction of any exponent that the format has.
+double any_length(Draw& draw, const FloatFormat& format) {
+    const int low = format.emin - format.precision + 2;
+    return std::exp2(std::floor(draw.in(0, 1) < 0.5 ? draw.in(-30, 30) : draw.in(low, format.emax - 1)));
+}
+
+/// A ray at a vertex, a point of an edge or of a face, from near and far, along an axis, in a plane of faces, from a
+/// vertex or from anywhere; its direction of any length.
+Ray<double> ray_at(Draw& draw, const Triangle<double>& face, double size, const FloatFormat& format) {
+    const int kind = static_cast<int>(draw.in(0, 6));
+    const double u = kind == 0 ? 0 : draw.in(0, 1), v = kind <= 1 ? 0 : draw.in(0, 1 - u);
+    const Vec<double> at = face.a + u * (face.b - face.a) + v * (face.c - face.a);
+    Vec<double> from = at + draw.point(size * std::exp2(draw.in(-3, 8)));
+    if (kind == 3) from = face.b;
+    if (kind == 4) from = at, from[static_cast<int>(draw.in(0, 2.99))] += size * std::exp2(draw.in(-3, 8));
+    if (kind == 5) from = face.a + draw.in(-4, 4) * (face.b - face.a) + draw.in(-4, 4) * (face.c - face.a);
+    const auto stored = [&](double x) { return rounding::to_format(x, 0, format); };
+    from = {stored(from.x), stored(from.y), stored(from.z)};
+    Vec<double> d = at - from;
+    const double most = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+    if (most == 0) d = {0, 0, 1};
+    else d = d / most * any_length(draw, format);
+    d = {stored(d.x), stored(d.y), stored(d.z)};
+    if (d == Vec<double>(0, 0, 0)) d = {0, 0, std::exp2(format.emin)};
+    return {from, d};
+}
+
+}  // namespace
+
+TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor any claim of a tie", "[culling]") {
+    std::size_t hits = 0, ties = 0, asked = 0, pairs = 0;
+    for (const FloatFormat& format : {binary32, binary64}) {
+        for (const int power : {0, -20, 30, -90, 90, -300, 300}) {
+            if (std::abs(power) > 90 && format.precision == binary32.precision) continue;
+            Draw draw(static_cast<std::uint64_t>(power + 1000));
+            scene::rays::RayGroup group;
+            group.mesh = mesh_of(draw, power, format);
+            for (int i = 0; i < lostbits::test::draws(2000); ++i) {
+                const auto face = static_cast<std::size_t>(draw.in(0, static_cast<double>(group.mesh->size()) - 0.5));
+                group.rays.push(ray_at(draw, group.mesh->mesh().triangle(face), std::ldexp(1.0, power), format));
+            }
+            group.rays.be_list();
+            const SolidList<double> solids = scene::rays::solid_list_of(group);
+            const measure::culling::Culler of_all(solids);
+            measure::culling::Culler culler(of_all, group.rays);
+            REQUIRE(culler.for_truth());
+            const measure::truth::Band quick(group, {}, &culler), slow(group);
+            std::vector<std::uint32_t> found;
+            for (std::size_t i = 0; i < quick.pixels(); ++i) {
+                INFO("2^" << power << ", " << format.precision << " bits, ray " << i);
+                const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
+                CHECK(a.decision == b.decision);
+                CHECK(a.object == b.object);
+                culler.for_truth()->candidates(group.rays[i], found);
+                asked += found.size(), pairs += solids.size();
+                if (!a.is_hit() || !b.is_hit()) continue;
+                CHECK(compare(a.t, b.t) == 0);
+                ++hits;
+                for (std::uint32_t s = 0; s < solids.size(); ++s) {
+                    const Truth one = find_truth(group.rays[i], solids[s]);
+                    if (!one.is_hit()) continue;
+                    CHECK(std::ranges::binary_search(found, s));
+                    ties += static_cast<int>(s) != a.object && compare(one.t, a.t) == 0;
+                }
+            }
+        }
+    }
+    CHECK(hits > 1000);
+    CHECK(ties > 500);
+    CHECK(asked < pairs / 4);
+}
+
+TEST_CASE("the nearest solid of a tree is the nearest of all", "[culling]") {
+    Draw draw(21);
+    for (const int power : {0, -60, 60}) {  // at 2^300 the squares of a distance overflow
+        scene::rays::RayGroup group;
+        group.mesh = mesh_of(draw, power, binary64);
+        const SolidList<double> solids = scene::rays::solid_list_of(group);
+        const auto tree = BoxTree::make(solids, {HUGE_VAL, 0, HUGE_VAL}, nullptr);
+        REQUIRE(tree);
+        for (int i = 0; i < 200; ++i) {
+            const Vec<double> p = draw.point(std::ldexp(draw.in(0, 3), power));
+            const auto distance = [&](std::size_t s) { return std::fabs(intersect::table::distance(solids[s], p)); };
+            std::uint32_t first = 0;
+            for (std::uint32_t s = 1; s < solids.size(); ++s)
+                if (distance(s) < distance(first)) first = s;
+            CHECK(distance(tree->nearest(p, distance)) == distance(first));
+        }
+    }
+}
+
 TEST_CASE("what has no box is a candidate of every ray", "[culling]") {
     const Ray<double> away{{0, 0, 5}, {0, 0, 1}};
     const Solid<double> flat = Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
@@ -210,7 +333,12 @@ TEST_CASE("what has no box is a candidate of every ray", "[culling]") {
     BoxTree::make(SolidList<double>({flat, ground, ball, huge}), bounds, &binary64)->candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1, 3});
     CHECK_FALSE(BoxTree::make(SolidList<double>({ground}), bounds, nullptr));
-    CHECK_FALSE(BoxTree::make(SolidList<double>({flat}), {HUGE_VAL, 1, 1}, nullptr));
+    // What bounds rays enters for forms that square lengths alone.
+    const measure::culling::RayBounds none{HUGE_VAL, 0, HUGE_VAL};
+    BoxTree::make(SolidList<double>({flat, ball}), none, nullptr)->candidates(away, found);
+    CHECK(found.empty());
+    BoxTree::make(SolidList<double>({flat, ball}), none, &binary64)->candidates(away, found);
+    CHECK(found == std::vector<std::uint32_t>{1});
     CHECK_FALSE(BoxTree::make(SolidList<double>(std::vector<Solid<double>>{}), bounds, nullptr));
     std::vector<Solid<double>> grounds(BoxTree::most_asked_each, ground);
     grounds.push_back(flat);

@@ -49,15 +49,16 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
             file.path(),
             {.columns = columns.joined_names(":f64"), .format = row.format, .solid = solids.front().shape});
         const judge::FileForm form("a", solids.front().shape, *row.form->info);
-        const JudgeResult result = judge::run_judge(*dump,
-                                                    {.solids = solids,
-                                                     .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
-                                                     .march = march,
-                                                     .rows = {{&form.form(), row.format}, row},
-                                                     .file_form = &form.form(),
-                                                     .metrics = all_metrics,
-                                                     .picture = std::pair{scene.width, scene.height}},
-                                                    {});
+        const JudgeResult result =
+            judge::run_judge(*dump,
+                             {.solids = scene::rays::stored_beside_mesh(scene, row.format.parameters),
+                              .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
+                              .march = march,
+                              .rows = {{&form.form(), row.format}, row},
+                              .file_form = &form.form(),
+                              .metrics = all_metrics,
+                              .picture = std::pair{scene.width, scene.height}},
+                             {});
         CHECK(result.rounded == 0);
         // A file does not say what its intersector claims of the other triangles of a mesh.
         if (!scene.mesh) require_same(result.summaries[0], expected[0]);
