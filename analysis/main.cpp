@@ -225,7 +225,7 @@ int run_program(int argc, char** argv) {
     try {
         const scene::toml::FilesOfRun files;
         const Exit code = analysis::run_words(words, nullptr);
-        // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
+        // A failed write to stdout (a full disk behind a redirection) loses results as a failed write to a file does.
         intersect::process::put_back_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");
@@ -242,7 +242,8 @@ int run_program(int argc, char** argv) {
     } catch (const std::exception& error) {
         return fail(Exit::internal, error.what());
     } catch (...) {
-        return fail(Exit::internal, "something was thrown that is not an exception; a library under test may do so");
+        return fail(Exit::internal,
+                    "caught something that is not a std::exception; a library under test may have thrown it");
     }
 }
 

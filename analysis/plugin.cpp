@@ -71,7 +71,7 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     return broken == 0;
 }
 
-/// Tries every form of a library or of a command; the answer is no where one does not do as it says.
+/// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
 Exit try_forms(const std::string& library, const Common& common) {
     selection::DoorWords words = common.doors;
     if (!library.empty()) words.plugins.push_back(library);
@@ -94,12 +94,12 @@ int take_standard_output(const std::string& command) {
 }
 
 void add_plugin(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("plugin", "A library of intersectors: tried against what it promises");
+    auto command = program.add_command("plugin", "Check a library of intersectors against what it promises");
     const auto library = std::make_shared<std::string>();
     auto tried = command.add_command(
         "check",
-        "Ask every form of a library, or of --pipe, what anyone can check by hand; exit 1 where it does not "
-        "do as it says");
+        "Ask every form of a library, or of --pipe, questions whose answers can be checked by hand; exit 1 if a "
+        "form breaks one of its promises");
     tried.add("LIBRARY", *library, "The library");
     tried.runs([library, &common] { return try_forms(*library, common); });
     auto served = command.add_command(

@@ -93,10 +93,11 @@ std::vector<std::string> items_in(const std::string& word, const std::string& op
         const std::size_t end = std::min(word.find(',', begin), word.size());
         all.push_back(trimmed(word.substr(begin, end - begin)));
         if (all.back().empty())
-            throw InputError(word.find(',') == std::string::npos
-                                 ? option + ": its value is empty"
-                                 : option + " " + output::blame::shell_word(word) +
-                                       ": has nothing before, between or after its commas; take out the comma");
+            throw InputError(
+                word.find(',') == std::string::npos
+                    ? option + ": its value is empty"
+                    : option + " " + output::blame::shell_word(word) +
+                          ": has an empty value before, between or after its commas; remove the extra comma");
         begin = end + 1;
     }
     return all;
