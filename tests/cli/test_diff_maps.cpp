@@ -95,7 +95,7 @@ TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and o
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,70,30,0,0,2\n");
     const std::string right = run("diff small" + forms, scratch.path()).out;
     CHECK(has(right, "\nb.near is better in 1 row, "));
-    CHECK_FALSE(has(right, "as many rays wrongly"));
+    CHECK_FALSE(has(right, "equally many rays wrongly"));
     // As many wrong decisions: nothing says that they are of the same rays.
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,60,30,0,10,2\n");
     const std::string as_many = run("diff small" + forms, scratch.path()).out;

@@ -268,7 +268,7 @@ TEST_CASE("where no program may be run from the temporary folder, the answer sta
     INFO(r.err << r.out);
     CHECK(r.code == 0);
     CHECK(has(r.out, "mended.so: cannot be loaded: "));
-    CHECK(has(r.out, "set TMPDIR to another folder"));
+    CHECK(has(r.out, "set TMPDIR to another one"));
     CHECK(fs::exists(scratch / "e.hpp"));
     CHECK(fs::exists(scratch / "out/mine/mend.csv"));
 }

@@ -258,7 +258,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
         const measure::speed::Timing t = timing(k);
         const double kept = all[k].kept_bits;
         text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
-                            form, format, isa, t.median, 50 * (t.high_quartile - t.low_quartile) / t.median,
+                            form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
                             std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
     }
     return text + "  * on the Pareto front; +- half of the distance between the quartiles\n";

@@ -264,13 +264,13 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
         for (const auto& line : sheet_subtitle(scene, named, {}, paint, false)) text += line + "\n";
         return text;
     };
-    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT says how"));
+    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT shows how"));
     blame::say_where_forms_are_from(" --plugin mine.so");
-    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so says how"));
+    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so shows how"));
     blame::say_where_forms_are_from("");
     // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
-    CHECK(has_word(above(""), "worst_explain in summary.csv"));
+    CHECK(has_word(above(""), "in the column worst_explain"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
 }
 
