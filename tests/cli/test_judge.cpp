@@ -53,7 +53,8 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
 TEST_CASE("rays at a mesh of thousands of triangles are judged, and no ray takes the tree from the others") {
     const Scratch scratch;
     scratch.write("ball.toml",
-                  "schema = \"lostbits-scene/1\"\ninputs = \"shared\"\nsize = [8, 8]\n"
+                  "schema = \"lostbits-scene/1\"\ntitle = \"A ball\"\nsource = \"-\"\n"
+                  "inputs = \"shared\"\nsize = [8, 8]\n"
                   "[camera]\nkind = \"orthographic\"\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
                   "width = 2\n[[mesh]]\nmake = \"icosphere\"\nlevels = 5\n");
     // A vertex of every level, which six triangles own; the squares of the last direction underflow.

@@ -45,7 +45,7 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
         CHECK(has(r.out, std::string("\n") + set + ": "));
     }
     // The table has each form and format once a set, the fastest first.
-    CHECK(has(r.out, "\neasy: from 4 sizes away, in any direction, 1024 rays\n    form "));
+    CHECK(has(r.out, "\neasy: a sphere 4 radii away, hit within 0.9 radii of its middle, 1024 rays\n    form "));
     CHECK(has(r.out, "\n  cheapest form that is never wrong on this set and keeps at least\n    8"));
     CHECK(has(r.out, " bits (p99): sphere."));
     CHECK(r.out.starts_with(contents(folder / "trade.txt")));

@@ -53,9 +53,9 @@ TEST_CASE("plugin: explain says what a form that is named beside is worth, and y
                       inside = "--sphere 0,0,0,1 --ray 0,0,0,0,0,1";
     CHECK(has(told(ahead + " -i sphere.unified --beside odd.far_first"),
               "odd.far_first does no better on this ray and around it: 22.9 bits lost.\n"));
-    CHECK(has(
-        told(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
-        "word.misses has another contract, so another answer is right for this ray. By its own: a correct miss.\n"));
+    CHECK(has(told(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
+              "word.misses has another contract, so another answer is right for this ray. By its own contract: a "
+              "correct miss.\n"));
     CHECK(has(told(ahead + " -i sphere.unified --beside box.signs"),
               "box.signs is a form for another shape, so it was not asked.\n"));
 

@@ -144,7 +144,7 @@ TEST_CASE("every key of speed against accuracy looks another way, and times are 
         const std::string& said = of_set.subtitle.front();
         INFO(said);
         CHECK(said.find("of the set " + std::string(sets[s].name) + ".") != std::string::npos);
-        CHECK(said.find("rays as those of the set easy") != std::string::npos);
+        CHECK(said.find("rays like those of the set easy") != std::string::npos);
         CHECK((said.find("the same in the pictures of all sets") != std::string::npos) == (s > 0));
         CHECK(of_set.x.title.find("of the easy set") != std::string::npos);
     }
