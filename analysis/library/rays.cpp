@@ -293,21 +293,21 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
                                                    {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
     const bool unit = contract.direction == intersect::Direction::unit;
-    constexpr std::size_t many = 64;
-    by_piece(all, running, rays.count, many, [&](std::size_t first, RayGroup group, auto* culler) {
-        const bool paired = group.paired;
-        const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
-        for (std::size_t i = 0; i < band.pixels(); ++i) {
-            const measure::truth::Truth truth = band.truth(i, contract.convention());
-            table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
-            if (!truth.is_hit()) continue;
-            const measure::truth::Certified& t = unit ? truth.distance : truth.t;
-            const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
-            table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
-            table.columns[2].numbers[first + i] = std::ldexp(t.hi, e);
-            table.columns[3].numbers[first + i] = std::ldexp(t.lo, e);
-        }
-    });
+    by_piece(all, running, rays.count, measure::culling::least_solids,
+             [&](std::size_t first, RayGroup group, auto* culler) {
+                 const bool paired = group.paired;
+                 const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
+                 for (std::size_t i = 0; i < band.pixels(); ++i) {
+                     const measure::truth::Truth truth = band.truth(i, contract.convention());
+                     table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
+                     if (!truth.is_hit()) continue;
+                     const measure::truth::Certified& t = unit ? truth.distance : truth.t;
+                     const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
+                     table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
+                     table.columns[2].numbers[first + i] = std::ldexp(t.hi, e);
+                     table.columns[3].numbers[first + i] = std::ldexp(t.lo, e);
+                 }
+             });
     return result;
 }
 

@@ -44,7 +44,7 @@ public:
     /// Starts a program without a shell; its standard error is part of its output.
     Child(const ProgramWords& program, ChildTerms terms);
     /// Closes the input of the process, which tells it to end. If it does not end within a second, a signal ends it.
-    /// What is left in its group is ended too.
+    /// Ends what is left in its group, too.
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;

@@ -35,7 +35,7 @@ struct FileRays {
 /// Properties of the files that the command line gives, besides their columns.
 struct FileTerms {
     std::string id;  ///< what results are called
-    /// Of all rays; each has its own where there are none, and no mesh.
+    /// Primitives of all rays. If there are none and no mesh, each ray has its own.
     std::vector<Solid<double>> solids = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     intersect::Info contract{};                                 ///< of the answers

@@ -227,7 +227,7 @@ void BoxTree::find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found
                         std::ldexp(ray.direction.z, -e));
     const double margin = relative_ * size_of_any(o) + relative_ * reach_;
     const double before = behind_ == 0 ? 0 : -behind_ / length(d);
-    // Of each axis the corner that is entered through, and the one that is left through.
+    // Corner of each axis through which a ray enters, and the one through which it leaves.
     std::array<std::size_t, 3> in, out;
     std::array<double, 3> o_in, o_out, inverse;
     for (std::size_t k = 0; k < 3; ++k) {

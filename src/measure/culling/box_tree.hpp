@@ -41,8 +41,8 @@ public:
     /// Limit on the primitives without a box: they are tested for every ray.
     static constexpr std::size_t most_asked_each = 64;
 
-    /// Of what is no ray (a number that is not finite, no direction), which meets nothing, only so many solids are
-    /// candidates: what forms answer to it is measured on small scenes.
+    /// Limit on the candidates of a ray with a number that is not finite or without a direction. It meets nothing; the
+    /// answers of forms to it are measured on small scenes.
     static constexpr std::size_t most_for_no_ray = 1024;
 
     /// Nothing where no solid has a box, and where more than `most_asked_each` have none; but for those of meshes,

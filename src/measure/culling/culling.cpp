@@ -46,8 +46,6 @@ CandidateLists::CandidateLists(const CandidateLists& all, std::span<const std::u
 
 namespace {
 
-constexpr std::size_t least_solids = 64;
-
 double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 /// Upper bound of B, and the radius of the smallest sphere.

@@ -19,6 +19,9 @@
 
 namespace lostbits::measure::culling {
 
+/// Number of primitives from which an index pays.
+inline constexpr std::size_t least_solids = 64;
+
 /// Index that finds candidates among many primitives, for rays within stated bounds. The candidates are a superset:
 /// they include every primitive that the line of the ray meets at t ≥ 0.
 class SolidIndex {
@@ -141,8 +144,8 @@ public:
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::SolidList<double> solids, const scene::rays::RayBlock& rays);
-    /// Of rays that come in blocks; and of one of the blocks, which shares every index that no bounds on rays enter.
-    /// Several threads may make and ask those of blocks; `of_all` outlives them.
+    /// The first serves rays that come in blocks, the second one block: it shares every index that does not depend on
+    /// bounds of rays. Several threads may make and use those of blocks; `of_all` outlives them.
     explicit Culler(scene::rays::SolidList<double> solids);
     Culler(const Culler& of_all, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;

@@ -33,7 +33,7 @@ private:
 };
 
 struct JudgeRequest {
-    /// Of all rays, numbers of the dump's format; each ray has its own where there are none, and no mesh.
+    /// Primitives of all rays, in the format of the dump. If there are none and no mesh, each ray has its own.
     std::vector<Solid<double>> solids = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};

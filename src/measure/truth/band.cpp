@@ -27,7 +27,7 @@ SolidList<double> solids_of(const scene::rays::RayGroup& group, const culling::C
     return culler ? culler->shared() : scene::rays::solid_list_of(group);
 }
 
-/// Whether binary32 holds every number of the group, whose solids are also in a list. A NaN is one in any format.
+/// True if binary32 holds every number of the group; `solids` lists its primitives. Every format holds a NaN.
 bool fits_binary32(const scene::rays::RayGroup& group, const SolidList<double>& solids) {
     bool fits = !group.mesh || solids.made().inputs == scene::file::Inputs::shared;
     const auto look = [&fits](double x) {
