@@ -123,6 +123,16 @@ std::string affordable(const Command& command, std::set<std::string_view>& used)
     return of_one_claim(text);
 }
 
+/// Lines whose values are times: which form is the cheapest differs from one run to the next on a busy machine.
+constexpr std::array timed{std::string_view("The cheapest is ")};
+
+/// The lines that a page shows, with `...` in place of those that are times.
+std::vector<std::string> without_times(std::vector<std::string> shown) {
+    for (std::string& line : shown)
+        if (std::ranges::any_of(timed, [&](std::string_view start) { return line.starts_with(start); })) line = "...";
+    return shown;
+}
+
 /// Lines against lines; `...` stands for any number of them.
 bool shows(std::span<const std::string> shown, std::span<const std::string> printed) {
     if (shown.empty()) return printed.empty();
@@ -200,7 +210,7 @@ void hold(const std::string& page) {
         const auto r = run(arguments, scratch.path());
         INFO(command.where << ": lostbits " << arguments << "\n" << r.out << r.err);
         CHECK(r.code == command.code);
-        if (!command.shown.empty()) CHECK(shows(command.shown, lines_of(r.out)));
+        if (!command.shown.empty()) CHECK(shows(without_times(command.shown), lines_of(r.out)));
     }
 }
 
