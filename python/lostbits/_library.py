@@ -11,6 +11,7 @@ import os
 import queue
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -264,8 +265,15 @@ class _Workers:
             jobs.put(None)
         for thread, _ in self.idle:
             thread.join()
+        # join() returns when Python is done with a thread. The thread gives its share of the scheduler back a little
+        # later, when the system ends it: on a busy machine one fork in some hundreds came in between.
+        give_up = time.monotonic() + (5 if self.idle else 0)
         self.idle.clear()
-        self.child_loses = library.lostbits_end_threads(None) != 0
+        while library.lostbits_end_threads(None) != 0:
+            if time.monotonic() > give_up:
+                self.child_loses = True
+                return
+            time.sleep(0.001)
 
     def after_fork_in_parent(self) -> None:
         self.lock.release()
