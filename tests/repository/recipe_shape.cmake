@@ -132,7 +132,7 @@ say("^0\n.*half_space\\.quotient" list intersectors)
 say("^0\n" map floor.toml -i half_space.* -f f32 -f f64 -o map)
 hold(map/floor/summary.csv "\nhalf_space\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*lateness" list metrics)
-say("^0\n" map floor.toml -i half_space.* -f f32 --metric lateness --pixels csv -o metric)
+say("^0\n" map floor.toml -i half_space.* -f f32 --metric lateness --pixels csv --pictures all -o metric)
 hold(metric/floor/half_space.quotient.f32.csv ",lateness")
 hold(metric/floor/summary.csv "lateness_max")
 if(NOT EXISTS ${WORK}/metric/floor/half_space.quotient.f32.lateness.png)
@@ -156,8 +156,8 @@ static const char* run(const lb_batch* b) {
         const double *r = (const double*)b->rays + 6 * i, *p = (const double*)b->solids + b->solid_stride * i;
         double n = 0, m = 0;
         for (int k = 0; k < 3; ++k) n += p[3 + k] * (p[k] - r[k]), m += p[3 + k] * r[3 + k];
-        ((double*)b->near_far)[2 * i] = n / m;
-        b->hit[i] = n / m >= 0;
+        ((double*)b->near_far)[2 * i] = n >= 0 ? 0 : n / m;
+        b->hit[i] = n >= 0 || n / m >= 0;
     }
     return NULL;
 }
@@ -175,7 +175,8 @@ struct Header {
     static constexpr intersect::Info info{.name = "header.half_space", .roots = intersect::Roots::first_only};
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const HalfSpace<T>& half) {
-        const T t = dot(half.normal, half.point - ray.origin) / dot(half.normal, ray.direction);
+        const T n = dot(half.normal, half.point - ray.origin);
+        const T t = select(n >= T(0), T(0), n / dot(half.normal, ray.direction));
         return {t >= T(0), t, t, t};
     }
 };
@@ -183,7 +184,7 @@ LOSTBITS_FORMULAS(Header)
 ]=])
 file(WRITE ${WORK}/half_space.glsl "// lostbits: direction=any roots=first\n"
     "float half_space(vec3 ro, vec3 rd, vec3 normal, vec3 point) {\n"
-    "    return dot(normal, point - ro) / dot(normal, rd);\n}\n")
+    "    float n = dot(normal, point - ro);\n    return n >= 0.0 ? 0.0 : n / dot(normal, rd);\n}\n")
 execute_process(COMMAND ${CXX} -x c -std=c99 -O2 -ffp-contract=off -fPIC -shared -I${WORK}/plugins ${WORK}/outside.c
     -o ${WORK}/outside.so COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CXX} -shared ${WORK}/header.cpp -o ${WORK}/header.so @${WORK}/build/form.flags

@@ -106,6 +106,16 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
     return moved_root(problem, s.solid.side);
 }
 
+/// t is on one of the planes of the slabs and moves as far as any of them can come to where it is. A slab that the line
+/// does not cross has 1/0 there, which no error moves.
+double moved_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
+    double most = 0;
+    for (std::size_t i = 0; i < s.entry.size(); ++i)
+        for (const auto& plane : {s.entry[i], s.exit[i]})
+            most = std::max(most, moved_quotient(problem, plane.n, plane.m));
+    return most;
+}
+
 /// Two planes between which a solid lies, seen from where a ray begins: how far it is from each, n > 0 between them,
 /// and how fast it goes across.
 struct Slab {

@@ -1,4 +1,4 @@
-// t = n·(P − o)/(n·d), as everyone writes it.
+// t = n·(P − o)/(n·d), as everyone writes it; 0 from inside, where n·(P − o) ≥ 0.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -19,7 +19,7 @@ struct Quotient {
     static Hit<T> intersect(const Ray<T>& ray, const HalfSpace<T>& half) {
         const T n = named("n.(P-o)", dot(half.normal, half.point - ray.origin));
         const T m = named("n.d", dot(half.normal, ray.direction));
-        const T t = named("t", n / m);
+        const T t = named("t", select(n >= T(0), T(0), n / m));
         return {t >= T(0), t, t, t};
     }
 };
