@@ -314,8 +314,11 @@ bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps 
 std::string mesh_sentence(const Explanation& x) {
     switch (x.in_mesh.value_or(Outcome::agree_hit)) {
         case Outcome::crack:
-            return "Of the mesh this is a crack: the form claims neither the triangle that the ray meets first nor one "
-                   "beside it, and crosses the mesh an odd number of times less or more.\n";
+            return x.truth == measure::truth::Truth::Decision::hit
+                       ? "Of the mesh this is a crack: the form claims neither the triangle that the ray meets first "
+                         "nor one beside it, and crosses the mesh an odd number of times less or more.\n"
+                       : "Of the mesh this is a crack: the form crosses the mesh an odd number of times, and the ray "
+                         "passes beside it.\n";
         case Outcome::double_hit:
             return "Of the mesh this is a double hit: the form claims a triangle beside it too, where the ray crosses "
                    "the mesh once.\n";

@@ -83,16 +83,16 @@ double number_of(const CsvTable& table, std::size_t row, std::string_view name) 
     return column == nullptr ? std::nan("") : number_in(column->cells[row]);
 }
 
-/// Between what two numbers the true hits of a row lie: of an answer that is not a number, or not proved, nobody says
-/// whether the ray truly hits. NaN where the table does not tell.
+/// Between what two numbers the true hits of a row lie: of a crack, an answer that is not a number, or one not proved,
+/// nobody says whether the ray truly hits. NaN where the table does not tell.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     const auto count = [&](const char* name, double without) {
         return table.find(name) == nullptr ? without : number_of(table, row, name);
     };
     const double least = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
-                         count("wrong_object", 0) + count("crack", 0) + count("double_hit", 0) +
-                         count("wrong_neighbour", 0) + count("out_of_order", 0);
-    return {least, least + count("not_a_number", 0) + count("unresolved", 0)};
+                         count("wrong_object", 0) + count("double_hit", 0) + count("wrong_neighbour", 0) +
+                         count("out_of_order", 0);
+    return {least, least + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
 }
 
 /// A row of each table that are about the same.
