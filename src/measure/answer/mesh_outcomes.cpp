@@ -1,9 +1,13 @@
 #include "measure/answer/mesh_outcomes.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "measure/answer/owners.hpp"
+#include "number/real.hpp"
+#include "shapes/lift.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::measure::answer {
@@ -12,21 +16,41 @@ using truth::Truth;
 
 namespace {
 
+/// Position of a line at the plane of a triangle of a mesh, by the signs of the exact polynomials in 256 bits.
+struct Passing {
+    int facing = 0;      ///< 1: crossed from the front; −1: from the back; 0: the line lies in the plane
+    Vec<Real> inside{};  ///< distance inside the edges opposite to a, b and c, up to one factor; absent if facing is 0
+};
+
+Passing passing_of(const Ray<double>& ray, const Solid<double>& triangle) {
+    return in_its_space<Triangle>(
+        lift_ray<Real>(ray), lift_solid<Real>(triangle), [](const Triangle<Real>& shape, const Ray<Real>& its) {
+            const FlatSpan<Real> span = shape.span(its);
+            if (span.at.m == 0) return Passing{};
+            const Vec<Real> w = shape.weights(its);  // over an edge's length: the height above it, over the same area
+            return Passing{span.front ? 1 : -1,
+                           {w.x / length(Vec<Real>(shape.c - shape.b)), w.y / length(Vec<Real>(shape.a - shape.c)),
+                            w.z / length(Vec<Real>(shape.b - shape.a))}};
+        });
+}
+
 /// Primitives of one ray, by their triangles of the mesh.
 class RayAtMesh {
 public:
     RayAtMesh(const BandAnswers& of, std::size_t ray)
         : of_(of), ray_(ray), first_(of.inputs.solids.first_of_mesh()), mesh_(of.inputs.solids.mesh()->mesh()) {}
 
+    /// `truly` is below 0 where the ray truly misses.
     [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
         const std::int32_t met = of_.answers.object[ray_];
         if (of_.answers.claimed.empty())
             return before == Outcome::wrong_object && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
+        if (before == Outcome::false_hit) return in_mesh(met) && stops_light(met) ? Outcome::crack : before;
         Outcome outcome = before;
-        if (before == Outcome::false_miss && in_mesh(truly) && is_crack(truly)) outcome = Outcome::crack;
+        if (before == Outcome::false_miss && in_mesh(truly) && lets_light_through(truly)) outcome = Outcome::crack;
         if (before == Outcome::wrong_object && in_mesh(truly)) {
             if (are_neighbours(truly, met)) outcome = Outcome::wrong_neighbour;
-            else if (is_crack(truly)) outcome = Outcome::crack;
+            else if (lets_light_through(truly)) outcome = Outcome::crack;
             else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
         }
         const bool met_right = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
@@ -34,6 +58,13 @@ public:
     }
 
 private:
+    /// A triangle of the mesh that the form claims or the ray truly meets.
+    struct Crossed {
+        std::int32_t solid;
+        Truth truth;
+        int facing;
+    };
+
     [[nodiscard]] bool in_mesh(std::int32_t solid) const {
         return solid >= 0 && static_cast<std::size_t>(solid) >= first_;
     }
@@ -50,20 +81,37 @@ private:
                 return true;
         return false;
     }
-    [[nodiscard]] bool is_crack(std::int32_t truly) const {
-        return !mesh_.has_border(face(truly)) &&
-               !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise();
+    [[nodiscard]] bool lets_light_through(std::int32_t truly) const {
+        return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
+               !is_beside_border(face(truly), passing(truly));
+    }
+    /// True if the line passes beside `met`, across an edge behind which the mesh goes on.
+    [[nodiscard]] bool stops_light(std::int32_t met) const {
+        const Passing by = passing(met);
+        const bool beside = by.inside.x < 0 || by.inside.y < 0 || by.inside.z < 0;
+        return by.facing != 0 && beside && counts_otherwise() && !is_beside_border(face(met), by);
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
     }
+    [[nodiscard]] Passing passing(std::int32_t solid) const {
+        return passing_of(of_.inputs.rays[ray_], of_.inputs.solids[static_cast<std::size_t>(solid)]);
+    }
+    [[nodiscard]] Crossed crossed(std::int32_t solid) const { return {solid, truth_at(solid), passing(solid).facing}; }
+    /// True if two triangles are one crossing of the surface: they face to one side, or one is seen edge-on; and the
+    /// ray meets both at the same t, or it does not meet both and they share a vertex.
+    [[nodiscard]] bool is_one_crossing(const Crossed& a, const Crossed& b) const {
+        if (a.facing * b.facing < 0) return false;
+        return a.truth.is_hit() && b.truth.is_hit() ? compare(a.truth.t, b.truth.t) == 0
+                                                    : are_neighbours(a.solid, b.solid);
+    }
     [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
-        const auto of_one_crossing = [&](std::int32_t s) {
+        std::optional<Crossed> here;
+        return claims([&](std::int32_t s) {
             if (s == met || !are_neighbours(s, met)) return false;
-            const Truth here = truth_at(met), there = truth_at(s);
-            return !(here.is_hit() && there.is_hit()) || compare(here.t, there.t) == 0;
-        };
-        return claims(of_one_crossing) && counts_otherwise();
+            if (!here) here = crossed(met);
+            return is_one_crossing(*here, crossed(s));
+        });
     }
     /// True if the ray truly meets `met` and, before it, a triangle that the form claims too and that is no neighbour
     /// of it.
@@ -75,21 +123,61 @@ private:
                    return here.is_hit() && compare(here.t, there.t) < 0;
                });
     }
-    /// Compares two counts: the triangles of the mesh that the form claims, and those that the ray truly crosses, where
-    /// several at one t count once. True if one count is odd and the other even.
+    /// True if the edge that the line passes nearest to (from inside) or farthest outside of belongs to one face alone.
+    [[nodiscard]] bool is_beside_border(std::size_t one, const Passing& by) const {
+        if (!mesh_.has_border(one)) return false;
+        const Real nearest = min(min(by.inside.x, by.inside.y), by.inside.z);
+        for (std::size_t k = 0; k < 3; ++k)
+            if (by.facing == 0 || by.inside[static_cast<int>(k)] == nearest) {
+                const auto has = [&](const scene::triangle::Face& f) {
+                    return std::ranges::count(f, mesh_.faces[one][(k + 1) % 3]) != 0 &&
+                           std::ranges::count(f, mesh_.faces[one][(k + 2) % 3]) != 0;
+                };
+                if (std::ranges::count_if(mesh_.faces, has) == 1) return true;
+            }
+        return false;
+    }
+    /// Number of crossings of the surface at some of its triangles. Triangles that are one crossing with another one
+    /// form a group, and each group counts once.
+    [[nodiscard]] std::size_t crossings(std::vector<Crossed> left) const {
+        std::size_t count = 0;
+        for (; !left.empty(); ++count) {
+            std::vector<Crossed> group{left.back()};
+            left.pop_back();
+            for (std::size_t k = 0; k < group.size(); ++k) {
+                const Crossed from = group[k];
+                const auto apart =
+                    std::ranges::partition(left, [&](const Crossed& other) { return !is_one_crossing(from, other); });
+                group.insert(group.end(), apart.begin(), apart.end());
+                left.erase(apart.begin(), apart.end());
+            }
+        }
+        return count;
+    }
+    /// True if two of them share a vertex and the ray does not truly meet both. With the roundings of the form such a
+    /// pair is either one crossing of the surface or a fold with two, and the claims do not tell which.
+    [[nodiscard]] bool leave_crossings_open(const std::vector<Crossed>& claimed) const {
+        for (const Crossed& a : claimed)
+            for (const Crossed& b : claimed)
+                if (a.solid < b.solid && !(a.truth.is_hit() && b.truth.is_hit()) && are_neighbours(a.solid, b.solid))
+                    return true;
+        return false;
+    }
+    /// Compares two counts: the crossings of the surface at the triangles that the form claims, and the true ones. True
+    /// if one count is odd and the other even: light ends on the other side of the surface.
     [[nodiscard]] bool counts_otherwise() const {
         const culling::CandidateLists& candidates = *of_.inputs.candidates;
-        std::size_t claimed = 0;
-        std::vector<truth::Certified> crossings;
+        std::vector<Crossed> claimed, met;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
             const auto solid = static_cast<std::int32_t>(candidates.solid(pair));
             if (!in_mesh(solid)) continue;
-            claimed += of_.answers.claimed[pair];
-            const Truth at = truth_at(solid);
-            const auto same = [&](const truth::Certified& t) { return compare(t, at.t) == 0; };
-            if (at.is_hit() && std::ranges::none_of(crossings, same)) crossings.push_back(at.t);
+            const Truth truth = truth_at(solid);
+            if (of_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
+            const Crossed one{solid, truth, passing(solid).facing};
+            if (of_.answers.claimed[pair] != 0) claimed.push_back(one);
+            if (truth.is_hit()) met.push_back(one);
         }
-        return claimed % 2 != crossings.size() % 2;
+        return !leave_crossings_open(claimed) && crossings(std::move(claimed)) % 2 != crossings(std::move(met)) % 2;
     }
 
     const BandAnswers& of_;
@@ -109,8 +197,10 @@ void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::s
         const bool elsewhere = outcomes[i] == Outcome::wrong_object;
         if (at_mesh || elsewhere) of.inputs.stop.check();
         if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
-        if (at_mesh && truth.decision[i] == Truth::Decision::hit)
+        if (!at_mesh) continue;
+        if (truth.decision[i] == Truth::Decision::hit)
             outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
+        else if (outcomes[i] == Outcome::false_hit) outcomes[i] = RayAtMesh(of, i).outcome_of(-1, outcomes[i]);
     }
 }
 

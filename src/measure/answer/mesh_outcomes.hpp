@@ -28,22 +28,27 @@ struct BandAnswers {
 /// when that triangle alone is tested. Answers read from a file do not say what else is claimed, so only
 /// `wrong_neighbour` is found there.
 ///
-/// - `crack`: the ray truly meets a triangle first, and the form claims neither that one nor a neighbour. The mesh goes
-///   on across all edges of the triangle. The number of triangles that the form claims and the number of true crossings
-///   differ by an odd number: the form leaves a closed mesh that it never entered, or the other way round. A form that
-///   misses both walls of a mesh, because its outline is shifted or the triangles are not seen at all, has a false
-///   miss. So has one that misses at the border of a mesh.
+/// Triangles are one crossing of the surface if they face the ray with the same side, share a vertex or are truly met
+/// at the same t, and are not truly met at two different t. A triangle seen edge-on counts as facing with both sides.
+///
+/// - `crack`: by the claims, light ends on another side of the surface than it truly does: the numbers of claimed and
+///   of true crossings differ by an odd number. Either the ray truly meets a triangle first and the form claims neither
+///   that one nor a neighbour, or the ray meets none and the form answers a triangle that the ray passes beside. The
+///   edge that the ray passes nearest to (farthest outside of, if it passes beside the triangle) belongs to another
+///   face too. If two claimed triangles share a vertex and the ray does not truly meet both, they may be one crossing
+///   or the two of a fold, and the outcome is no crack. A form that misses both walls of a mesh, because its outline is
+///   shifted or the triangles are not seen at all, has a false miss. So has one that misses at the border of a mesh; it
+///   may have a false hit there as well.
 /// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
 ///   that t.
-/// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the
-///   mesh once: it truly misses one of the two, or meets both at one t. Again the two counts differ by an odd number.
-///   At a fold the ray meets both, one after the other, and nothing is counted twice.
+/// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it that is the same crossing. At
+///   a fold the ray crosses the surface twice, one crossing after the other, and nothing is counted twice.
 /// - `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
 ///   smaller.
 void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
-/// Outcome at a mesh of one ray that truly hits primitive `truly` first. `before` is its outcome if primitives had no
-/// edges in common.
+/// Outcome at a mesh of one ray that truly hits primitive `truly` first, or none if `truly` is below 0. `before` is its
+/// outcome if primitives had no edges in common.
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);
 
 }  // namespace lostbits::measure::answer

@@ -62,9 +62,8 @@ public:
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
                                   Outcome before) const {
         const truth::Truth found = truth(info);
-        return found.is_hit()
-                   ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object, before)
-                   : before;
+        return outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_,
+                               found.is_hit() ? found.object : -1, before);
     }
     /// True if the ray truly meets that primitive first, alone or among others.
     [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {

@@ -25,6 +25,7 @@ struct Aimed {
     Ray<double> ray;
     double distance;  ///< from the eye, in lengths of the edge
     std::size_t edge, eye;
+    std::optional<std::uint32_t> vertex;  ///< aimed at; absent: a point between the ends of the edge
 };
 
 scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
@@ -46,40 +47,6 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     }
     return false;
 }
-
-/// Finds the nearest ray of a litter with the wanted outcome.
-class Judge {
-public:
-    Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
-          const evaluate::TestedForm& row)
-        : wanted_(wanted), edges_(edges), litter_(litter), row_(row) {}
-
-    void look_at(const evaluate::BandResult& result) {
-        for (std::size_t i = 0; i < litter_.size(); ++i) {
-            const auto& faces = edges_[litter_[i].edge].faces;
-            const truth::Truth truth = result.truth(i);
-            if (!truth.is_hit() || std::ranges::find(faces, static_cast<std::uint32_t>(truth.object)) == faces.end())
-                continue;
-            if (result.outcomes[i] != wanted_ || (nearest && litter_[i].distance >= nearest->distance)) continue;
-            if (wanted_ == Outcome::double_hit && is_tie(result, i)) continue;
-            nearest = {.distance = litter_[i].distance,
-                       .ray = litter_[i].ray,
-                       .faces = faces,
-                       .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
-                       .truth = result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)};
-            eye = litter_[i].eye;
-        }
-    }
-
-    std::optional<NearestRay> nearest;
-    std::size_t eye = 0;
-
-private:
-    Outcome wanted_;
-    const std::vector<SharedEdge>& edges_;
-    const std::vector<Aimed>& litter_;
-    const evaluate::TestedForm& row_;
-};
 
 /// The mesh in the form in which every row receives it.
 struct Subject {
@@ -104,14 +71,66 @@ struct Subject {
         return {of(edge.ends[0]), of(edge.ends[1])};
     }
 
+    /// True if the face has the edge or the vertex that the ray is aimed at.
+    [[nodiscard]] bool touches(const Aimed& one, std::uint32_t face) const {
+        if (!one.vertex) return std::ranges::count(edges[one.edge].faces, face) != 0;
+        return std::ranges::count(columns->mesh().faces[face], *one.vertex) != 0;
+    }
+    /// Edge of the face that the ray is aimed at, or that ends at the vertex that it is aimed at; null if the face has
+    /// neither.
+    [[nodiscard]] const SharedEdge* edge_at(const Aimed& one, std::uint32_t face) const {
+        if (!touches(one, face)) return nullptr;
+        if (!one.vertex) return &edges[one.edge];
+        const auto has_both = [&](const SharedEdge& edge) {
+            return std::ranges::count(edge.ends, *one.vertex) != 0 && std::ranges::count(edge.faces, face) != 0;
+        };
+        const auto found = std::ranges::find_if(edges, has_both);
+        return found == edges.end() ? nullptr : &*found;
+    }
+
     std::shared_ptr<const scene::rays::MeshColumns> columns;
     std::vector<SharedEdge> edges;
+};
+
+/// Finds the nearest ray of a litter with the wanted outcome.
+class Judge {
+public:
+    Judge(Outcome wanted, const Subject& subject, const std::vector<Aimed>& litter, const evaluate::TestedForm& row)
+        : wanted_(wanted), subject_(subject), litter_(litter), row_(row) {}
+
+    void look_at(const evaluate::BandResult& result) {
+        for (std::size_t i = 0; i < litter_.size(); ++i) {
+            const truth::Truth truth = result.truth(i);
+            if (!truth.is_hit() || result.outcomes[i] != wanted_) continue;
+            if (nearest && litter_[i].distance >= nearest->distance) continue;
+            const auto met = static_cast<std::uint32_t>(truth.object);
+            const SharedEdge* const edge = subject_.edge_at(litter_[i], met);
+            if (edge == nullptr || (wanted_ == Outcome::double_hit && is_tie(result, i))) continue;
+            nearest = {.distance = litter_[i].distance,
+                       .ray = litter_[i].ray,
+                       .faces = edge->faces,
+                       .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
+                       .truth = result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)};
+            place = i;
+        }
+    }
+    /// The nearest ray.
+    [[nodiscard]] const Aimed& aimed() const { return litter_[place]; }
+
+    std::optional<NearestRay> nearest;
+    std::size_t place = 0;  ///< index in the litter
+
+private:
+    Outcome wanted_;
+    const Subject& subject_;
+    const std::vector<Aimed>& litter_;
+    const evaluate::TestedForm& row_;
 };
 
 /// Position of an eye: a distance in a direction from a point of an edge.
 struct Eye {
     std::size_t edge = 0;
-    double along = 0;  ///< position of the point, as a fraction of the edge from one end
+    double along = 0;  ///< position of the point, as a fraction of the edge from one end; 0 and 1 are vertices
     Vec<double> away;  ///< direction, of length 1
     double distance = 0;
 };
@@ -146,10 +165,9 @@ public:
             if (!judge.nearest || (best_ && judge.nearest->distance >= best_->distance)) continue;
             // The ray is tested again alone. Among more rays a form is tested on more triangles, since the boxes are as
             // wide as the farthest ray needs.
-            const auto& [distance, ray, faces, t, truth] = *judge.nearest;
-            if (!judged({{ray, distance, drawn[judge.eye].edge, judge.eye}}).nearest) continue;
+            if (!judged({judge.aimed()}).nearest) continue;
             best_ = judge.nearest;
-            best_eye_ = drawn[judge.eye];
+            best_eye_ = drawn[judge.aimed().eye];
         }
         finding.nearest[wanted_] = best_;
     }
@@ -172,7 +190,7 @@ private:
     Eye anywhere() {
         Eye eye;
         eye.edge = static_cast<std::size_t>(random_.below(static_cast<int>(subject_.edges.size())));
-        eye.along = random_.unit();
+        eye.along = random_.below(4) == 0 ? random_.below(2) : random_.unit();
         eye.away = random_direction(subject_.edges[eye.edge]);
         return eye;
     }
@@ -180,17 +198,25 @@ private:
     Eye near(const Eye& best) {
         Eye eye = best;
         const double step = std::ldexp(1, -random_.below(24));
-        eye.along = std::clamp(eye.along + step * random_.between(-1, 1), 0.0, 1.0);
+        const bool at_vertex = eye.along == 0 || eye.along == 1;
+        if (!at_vertex) eye.along = std::clamp(eye.along + step * random_.between(-1, 1), 0.0, 1.0);
         eye.away = eye.away + step * random_vector();
         eye.away = 1 / length(eye.away) * eye.away;
         return eye;
     }
 
     Eye draw() {
-        Eye eye = best_ && random_.below(2) == 0 ? near(best_eye_) : anywhere();
-        const double high = best_ ? best_->distance : file_.distance.high,
-                     low = std::min(high, std::max(file_.distance.low, high / 16)), u = random_.unit();
-        eye.distance = high / (1 + (high / low - 1) * u * u * u);
+        const double high = best_ ? best_->distance : file_.distance.high;
+        if (best_ && random_.below(2) == 0) {
+            Eye eye = near(best_eye_);
+            const double low = std::min(high, std::max(file_.distance.low, high / 16)), u = random_.unit();
+            eye.distance = high / (1 + (high / low - 1) * u * u * u);
+            return eye;
+        }
+        Eye eye = anywhere();
+        const double low = std::min(high, file_.distance.low);
+        const int octave = random_.below(std::ilogb(high / low) + 1);
+        eye.distance = std::min(high, std::ldexp(low * (1 + random_.unit()), octave));
         return eye;
     }
 
@@ -202,14 +228,20 @@ private:
         };
         while (drawn.size() < eyes) {
             const Eye eye = drawn.emplace_back(draw());
-            const auto [a, b] = subject_.ends(subject_.edges[eye.edge]);
+            const SharedEdge& edge = subject_.edges[eye.edge];
+            const auto [a, b] = subject_.ends(edge);
+            std::optional<std::uint32_t> vertex;
+            if (eye.along == 0 || eye.along == 1) vertex = edge.ends[eye.along == 0 ? 0 : 1];
             const double size = length(b - a);
             const Vec<double> point = a + eye.along * (b - a), origin = stored(point + eye.distance * size * eye.away),
                               to = point - origin;
             const Vec<double> direction = stored((1 + random_.unit()) / length(to) * to);
             for (std::size_t k = 0; k < rays_of_eye; ++k)
-                litter.push_back(
-                    {{origin, k == 0 ? direction : moved(direction)}, length(to) / size, eye.edge, drawn.size() - 1});
+                litter.push_back({{origin, k == 0 ? direction : moved(direction)},
+                                  length(to) / size,
+                                  eye.edge,
+                                  drawn.size() - 1,
+                                  vertex});
         }
         return litter;
     }
@@ -222,8 +254,8 @@ private:
         return direction;
     }
 
-    /// Rays of a litter that may have the outcome, judged by what the form claims: for a crack neither face of the
-    /// edge, for a double hit two faces. The truth of the others is not computed, since it takes a hundred times as
+    /// Rays of a litter that may have the outcome, judged by what the form claims: for a crack no face of the edge or
+    /// vertex, for a double hit two faces. The truth of the others is not computed, since it takes a hundred times as
     /// long.
     std::vector<Aimed> suspicious(const std::vector<Aimed>& litter) const {
         if (row_.form->info->direction == intersect::Direction::unit) return litter;
@@ -237,14 +269,13 @@ private:
         const answer::Answers answers = answer::evaluate(*row_.form, inputs);
         std::vector<Aimed> few;
         for (std::size_t i = 0; i < litter.size(); ++i) {
-            const auto& faces = subject_.edges[litter[i].edge].faces;
-            std::size_t claimed = 0, of_edge = 0;
+            std::size_t claimed = 0, touched = 0;
             for (std::size_t pair = inputs.candidates->first(i); pair < inputs.candidates->first(i + 1); ++pair) {
                 if (answers.claimed[pair] == 0) continue;
                 ++claimed;
-                of_edge += std::ranges::count(faces, inputs.candidates->solid(pair));
+                touched += subject_.touches(litter[i], inputs.candidates->solid(pair));
             }
-            if (sought[wanted_] == Outcome::crack ? of_edge == 0 : claimed >= 2) few.push_back(litter[i]);
+            if (sought[wanted_] == Outcome::crack ? touched == 0 : claimed >= 2) few.push_back(litter[i]);
         }
         return few;
     }
@@ -257,7 +288,7 @@ private:
         truth::Band band(std::move(group), request_.limit, &culler);
         const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
-        Judge judge(sought[wanted_], subject_.edges, litter, row_);
+        Judge judge(sought[wanted_], subject_, litter, row_);
         evaluate::measure_row({row_, metrics_, [&judge](const auto& result) { judge.look_at(result); }}, band, inputs,
                               summary);
         return judge;

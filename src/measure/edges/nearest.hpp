@@ -18,9 +18,9 @@ inline constexpr std::array sought{answer::Outcome::crack, answer::Outcome::doub
 
 /// The nearest ray found with an outcome.
 struct NearestRay {
-    double distance = 0;  ///< from the eye to the point of the edge that it is aimed at, in lengths of the edge
+    double distance = 0;  ///< from the eye to the point of an edge that it is aimed at, in lengths of that edge
     Ray<double> ray{};    ///< in numbers of binary32, or of the format if that is narrower
-    std::array<std::uint32_t, 2> faces{};  ///< the faces that share the edge
+    std::array<std::uint32_t, 2> faces{};  ///< the faces that share the edge, or an edge of the vertex it is aimed at
     double t = 0;                          ///< the form's answer; NaN for a miss
     double truth = 0;                      ///< t*, correctly rounded to binary64
 };
@@ -43,13 +43,14 @@ struct EdgeRequest {
 /// Searches for each row and outcome separately; the results have one element for each row of the share. The result
 /// depends only on the file and its scene, not on the number of threads.
 ///
-/// A litter has 512 rays, aimed from 16 eyes at a point of an edge each. Of an eye's 32 rays, all but the first have
-/// the components of their directions moved by up to `ulps` places of the format. Eyes are drawn between the nearest
-/// distance found and a sixteenth of it; every other one, on average, moves the eye of the nearest ray.
+/// A litter has 512 rays, aimed from 16 eyes at a point of an edge each; one point in four is an end of the edge. Of an
+/// eye's 32 rays, all but the first have the components of their directions moved by up to `ulps` places of the format.
+/// Eyes are drawn from all distances up to the nearest found, each octave as often as another. Once there is a nearest
+/// ray, every other eye is its eye, moved to between its distance and a sixteenth of it.
 ///
-/// A ray counts if it truly meets one of the edge's two faces first. For double hits, no other face that the form
-/// claims may truly be at the same t: rounding has no part in such a tie. A ray is tested again alone before it is
-/// kept.
+/// A ray counts if it truly meets first a face of the edge or vertex that it is aimed at. For double hits, no other
+/// face that the form claims may truly be at the same t: rounding has no part in such a tie. A ray is tested again
+/// alone before it is kept.
 std::vector<EdgeFinding> find_nearest(const EdgeRequest& request);
 
 }  // namespace lostbits::measure::edges

@@ -83,16 +83,16 @@ double number_of(const CsvTable& table, std::size_t row, std::string_view name) 
     return column == nullptr ? std::nan("") : number_in(column->cells[row]);
 }
 
-/// Bounds on the number of true hits of a row. An answer that is not a number, or not proved, does not show if the ray
-/// truly hits. NaN if the table lacks the columns.
+/// Bounds on the number of true hits of a row. A crack, an answer that is not a number, or one that is not proved, does
+/// not show if the ray truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     const auto count = [&](const char* name, double without) {
         return table.find(name) == nullptr ? without : number_of(table, row, name);
     };
     const double least = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
-                         count("wrong_object", 0) + count("crack", 0) + count("double_hit", 0) +
-                         count("wrong_neighbour", 0) + count("out_of_order", 0);
-    return {least, least + count("not_a_number", 0) + count("unresolved", 0)};
+                         count("wrong_object", 0) + count("double_hit", 0) + count("wrong_neighbour", 0) +
+                         count("out_of_order", 0);
+    return {least, least + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
 }
 
 /// A row of each table with the same key.
