@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 6
+#define LOSTBITS_ABI 7
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -189,6 +189,20 @@ LOSTBITS_API int lostbits_answers(const lostbits_rays* rays, const lostbits_choi
  * t = t_hi + t_lo to 2^-72 of its value. */
 LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                 lostbits_error* error);
+/* Every crossing of each ray with triangles, in its range: those of a scene without other solids, or an array of them
+ * that all rays share. Triangles are closed and met from both sides, and t >= 0 counts. Table `crossings`: ray and
+ * place (from 0, in the exact order of t; crossings at one t share a place), solid, t = t_hi + t_lo to 2^-72 of its
+ * value, front (it is met from the side on which its corners run counter-clockwise), at_rim (through an edge or a
+ * vertex). Table `rays`: resolved, for each ray; 0 where no precision decided. */
+LOSTBITS_API int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
+                               lostbits_error* error);
+/* Whether points (count x 3) lie in the meshes of a scene, which has no other solids. Table `points`: winding (by how
+ * many layers of the surface the point is enclosed), crossings (of the ray that was counted), on_surface, resolved.
+ * Table `mesh`, one row: edges, border (of one face), non_manifold (of more than two), unbalanced (along which more
+ * faces run one way than the other), odd (of an odd number of faces), duplicates (faces). The winding does not depend
+ * on the ray where unbalanced is 0, the parity of the crossings where odd is 0. */
+LOSTBITS_API int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count,
+                                 const lostbits_run* run, lostbits_result** result, lostbits_error* error);
 /* A sweep file or the name of one, or (`is_text`) the text of one. Tables `samples` and, of one axis, `onsets`. */
 LOSTBITS_API int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostbits_choice* choice,
                                 const lostbits_run* run, lostbits_result** result, lostbits_error* error);

@@ -8,6 +8,7 @@
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/judge/judge.hpp"
+#include "measure/truth/mesh_crossings.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 #include "scene/rays/stored_mesh.hpp"
@@ -18,6 +19,7 @@ namespace lostbits::analysis::library {
 
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
+using scene::file::Scene;
 using scene::rays::RayGroup;
 
 namespace {
@@ -282,6 +284,12 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
     return result;
 }
 
+/// A certified number as a sum of two doubles.
+std::pair<double, double> in_two_words(const measure::truth::Certified& t) {
+    const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
+    return {std::ldexp(t.hi, e), std::ldexp(t.lo, e)};
+}
+
 std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays all = given(rays, running);
     const intersect::Info contract = contract_of_arrays(rays, all.shape);
@@ -301,13 +309,113 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
                      const measure::truth::Truth truth = band.truth(i, contract.convention());
                      table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
                      if (!truth.is_hit()) continue;
-                     const measure::truth::Certified& t = unit ? truth.distance : truth.t;
-                     const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
                      table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
-                     table.columns[2].numbers[first + i] = std::ldexp(t.hi, e);
-                     table.columns[3].numbers[first + i] = std::ldexp(t.lo, e);
+                     std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
+                         in_two_words(unit ? truth.distance : truth.t);
                  }
              });
+    return result;
+}
+
+std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
+    GivenRays all = given(rays, running);
+    const auto is_triangle = [](const Solid<double>& solid) { return solid.shape == Shape::triangle; };
+    if (rays.paired != 0 || !std::ranges::all_of(all.examples(), is_triangle))
+        throw InputError("rays: crossings are found of triangles that all rays share; give a mesh, or triangles");
+    std::vector<measure::truth::MeshCrossings> found(rays.count);
+    by_piece(all, running, rays.count, measure::culling::least_solids,
+             [&](std::size_t first, RayGroup group, auto* culler) {
+                 const auto solids = scene::rays::solid_list_of(group);
+                 for (std::size_t i = 0; i < group.rays.size(); ++i)
+                     found[first + i] =
+                         measure::truth::crossings_of(group.rays[i], {solids, culler ? culler->for_truth() : nullptr},
+                                                      group.rays.range(i), {.stop = running.stop()});
+             });
+    auto result = std::make_unique<lostbits_result>();
+    ResultTable& table = result->tables.emplace_back(
+        "crossings",
+        std::vector<output::file::Column>{
+            {"ray", "integer", "", "the ray, from 0"},
+            {"place", "integer", "", "in the order of t, from 0; crossings at the same t have the same place"},
+            {"solid", "integer", "", "the triangle, from 0"},
+            {"t_hi", "number", "t", "t*, to the nearest number of binary64"},
+            {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"},
+            {"front", "boolean", "", "the ray meets the side on which the corners run counter-clockwise"},
+            {"at_rim", "boolean", "", "the ray passes through an edge or a vertex"}});
+    ResultTable& resolved = result->tables.emplace_back(
+        "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        resolved.columns[0].numbers.push_back(found[i].is_resolved ? 1 : 0);
+        for (const measure::truth::MeshCrossing& one : found[i].in_order) {
+            table.columns[0].numbers.push_back(static_cast<double>(i));
+            table.columns[1].numbers.push_back(one.place);
+            table.columns[2].numbers.push_back(one.triangle);
+            const auto [hi, lo] = in_two_words(one.t);
+            table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
+            table.columns[5].numbers.push_back(one.front ? 1 : 0);
+            table.columns[6].numbers.push_back(one.at_rim ? 1 : 0);
+        }
+    }
+    return result;
+}
+
+void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result) {
+    auto csv = result.tables
+                   .emplace_back("mesh",
+                                 std::vector<output::file::Column>{
+                                     {"edges", "integer", "", "edges of the faces"},
+                                     {"border", "integer", "", "edges of one face"},
+                                     {"non_manifold", "integer", "", "edges of more than two faces"},
+                                     {"unbalanced", "integer", "", "edges along which more faces run one way"},
+                                     {"odd", "integer", "", "edges of an odd number of faces"},
+                                     {"duplicates", "integer", "", "faces with the vertices of an earlier face"}})
+                   .writer();
+    csv.add(edges.edges).add(edges.border).add(edges.non_manifold).add(edges.unbalanced).add(edges.odd);
+    csv.add(edges.duplicates).end_row();
+}
+
+std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lostbits_array& points, std::size_t count,
+                                                  CallRun& running) {
+    if (points.data == nullptr) throw InputError("points: there is no array; give three numbers a point");
+    require_reach(points, count, 3, "points");
+    const auto mesh = scene::rays::stored_mesh(scene, binary64);
+    if (!mesh || !scene::rays::stored_beside_mesh(scene, binary64).empty())
+        throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
+    const Format format = *find_format("f64");
+    std::vector<ArrayColumn> columns;
+    put_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
+    RayGroup group;
+    group.mesh = mesh;
+    const auto solids = scene::rays::solid_list_of(group);
+    const measure::culling::Culler culler(solids);
+    std::vector<measure::truth::PointInMesh> found(count);
+    const auto advance = running.advancing(count);
+    constexpr std::size_t piece = 1024;
+    intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
+        const std::size_t first = p * piece, n = std::min(piece, count - first);
+        for (std::size_t i = first; i < first + n; ++i) {
+            Vec<double> point;
+            for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
+            if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
+                throw InputError("point " + std::to_string(i) + " has a number that is not finite");
+            found[i] = measure::truth::place_in_mesh(point, {solids, culler.for_truth()}, {.stop = running.stop()});
+        }
+        advance(n);
+    });
+    auto result = std::make_unique<lostbits_result>();
+    ResultTable& table = result->tables.emplace_back(
+        "points", std::vector<output::file::Column>{
+                      {"winding", "integer", "", "by how many layers of the surface the point is enclosed"},
+                      {"crossings", "integer", "", "of the ray that was counted"},
+                      {"on_surface", "boolean", "", "the point lies on a triangle"},
+                      {"resolved", "boolean", "", "the other columns are proved"}});
+    for (const measure::truth::PointInMesh& one : found) {
+        table.columns[0].numbers.push_back(one.winding);
+        table.columns[1].numbers.push_back(one.crossings);
+        table.columns[2].numbers.push_back(one.on_surface ? 1 : 0);
+        table.columns[3].numbers.push_back(one.is_resolved ? 1 : 0);
+    }
+    add_edges(scene::triangle::count_edges(mesh->mesh(), running.stop()), *result);
     return result;
 }
 
@@ -350,6 +458,24 @@ int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_
     return call(result, error, rays, [&] {
         CallRun running(run);
         return truth_of_rays(*rays, running);
+    });
+}
+
+int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+    return call(result, error, rays, [&] {
+        CallRun running(run);
+        return hits_of_rays(*rays, running);
+    });
+}
+
+int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count, const lostbits_run* run,
+                    lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(points, "points");
+        require(result, "result");
+        CallRun running(run);
+        return hand_over(places_of_points(scene->scene, *points, count, running), result);
     });
 }
 }

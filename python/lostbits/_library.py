@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 6
+ABI = 7
 
 
 class Error(Exception):

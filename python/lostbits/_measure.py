@@ -1,4 +1,4 @@
-"""The questions: maps, judged rays, truths, sweeps, explained rays, offsets, choices, mended forms."""
+"""The questions: maps, judged rays, truths, crossings, sweeps, explained rays, offsets, choices, mended forms."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._arrays import Floats, Rays
+from ._arrays import Floats, Rays, array_of
 from ._forms import Asked, Form, Forms, Texts
-from ._results import Choice, Explanation, Judgement, Map, Mended, Offsets, Sweep, Truths
-from ._scene import Scene, scene_of, toml_text
+from ._results import Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Offsets, Sweep, Truths
+from ._scene import Scene, scene as make_scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
 _both = ("f32", "f64")
@@ -106,6 +106,45 @@ def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: b
     given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
                  direction=direction, touching=touching, at_origin=at_origin, inside=inside, facing=facing)
     return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])
+
+
+def hits(o: Floats, d: Floats, mesh: Any, *, tmin: Floats | None = None, tmax: Floats | None = None,
+         open_ends: str = "none", threads: int = 0) -> Hits:
+    """Every crossing of rays with triangles, certified, in the exact order of t; crossings at the same t share a place.
+
+    `o`, `d`: n x 3 of float32 or float64, taken as exact. `mesh`: (vertices n x 3, faces m x 3), triangles m x 9, or a
+    scene of meshes and triangles alone. Triangles are closed and met from both sides. `tmin`, `tmax`, `open_ends`: as in
+    lb.judge. The result: `.ray`, `.place`, `.solid` (the triangle), `.t` and `.t_lo`, `.front` (the ray meets the side
+    on which the corners run counter-clockwise), `.at_rim` (through an edge or a vertex), `.of(ray)`, `.resolved`.
+    """
+    given = Rays(o, d, _of_mesh(mesh), "triangle", tmin=tmin, tmax=tmax, open_ends=open_ends, format="f64")
+    return Hits(tables_of(lib.long_call("lostbits_hits", c.byref(given.raw), threads=threads)[1]))
+
+
+def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
+    """Tells which points lie in a mesh, certified, by winding numbers: exact counts of the crossings of a ray.
+
+    `points`: n x 3 of float32 or float64. `mesh`: (vertices n x 3, faces m x 3), or a scene of meshes alone. The result:
+    `.inside`, `.winding` (1 inside a closed mesh whose corners run counter-clockwise seen from outside), `.on_surface`
+    (the winding is 0 there), `.crossings` of the ray that was counted, `.resolved`, and `.mesh`: the number of edges,
+    and of those that keep the mesh from being closed.
+    """
+    kept, array = array_of(points, "points", 3)
+    if kept is None:
+        raise lib.InputError("points is None; give an array, n x 3")
+    on = _of_mesh(mesh)
+    if not isinstance(on, Scene):
+        raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
+    return Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
+                                          threads=threads)[1]))
+
+
+def _of_mesh(mesh: Any) -> Any:
+    """A scene of (vertices, faces), whose numbers stay as they are; anything else as it is."""
+    if not isinstance(mesh, (tuple, list)):
+        return mesh
+    camera = {"kind": "orthographic", "eye": [0, 0, 1], "look_at": [0, 0, 0], "width": 1}
+    return make_scene(camera=camera, mesh=mesh, inputs="own")  # type: ignore[arg-type]
 
 
 def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", strategies: Texts = (),

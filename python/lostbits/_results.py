@@ -138,6 +138,56 @@ class Truths:
         return f"<lostbits truths of {len(self)} rays, {int(self.hit.sum())} hits>"
 
 
+class Hits:
+    """Crossings of rays with triangles, one item each, by the ray and then in the exact order of t: ray, place, solid,
+    t, t_lo, front, at_rim. `resolved`: one item for each ray."""
+
+    def __init__(self, tables: dict[str, Table]) -> None:
+        crossings = tables["crossings"]
+        self.ray: NDArray[np.int64] = crossings["ray"].astype(np.int64)
+        self.place: NDArray[np.int64] = crossings["place"].astype(np.int64)
+        self.solid: NDArray[np.int64] = crossings["solid"].astype(np.int64)
+        self.t: NDArray[np.float64] = crossings.columns["t_hi"].values
+        self.t_lo: NDArray[np.float64] = crossings.columns["t_lo"].values
+        self.front: NDArray[np.bool_] = crossings["front"].astype(bool)
+        self.at_rim: NDArray[np.bool_] = crossings["at_rim"].astype(bool)
+        self.resolved: NDArray[np.bool_] = tables["rays"]["resolved"].astype(bool)
+
+    def of(self, ray: int) -> slice:
+        """The items of one ray: `hits.t[hits.of(7)]`."""
+        first, last = np.searchsorted(self.ray, [ray, ray + 1])
+        return slice(int(first), int(last))
+
+    def __len__(self) -> int:
+        return len(self.ray)
+
+    def __repr__(self) -> str:
+        return f"<lostbits hits: {len(self)} crossings of {len(self.resolved)} rays>"
+
+
+class Inside:
+    """Points relative to a mesh, one item a point: inside, winding, crossings, on_surface, resolved.
+
+    `mesh`: counts of its edges and duplicate faces. `inside` is winding != 0 if no edge is unbalanced. Otherwise it is
+    an odd number of crossings, which depends on the ray unless mesh["odd"] is 0.
+    """
+
+    def __init__(self, tables: dict[str, Table]) -> None:
+        points, edges = tables["points"], tables["mesh"]
+        self.winding: NDArray[np.int64] = points["winding"].astype(np.int64)
+        self.crossings: NDArray[np.int64] = points["crossings"].astype(np.int64)
+        self.on_surface: NDArray[np.bool_] = points["on_surface"].astype(bool)
+        self.resolved: NDArray[np.bool_] = points["resolved"].astype(bool)
+        self.mesh: dict[str, int] = {name: int(edges[name][0]) for name in edges}
+        self.inside: NDArray[np.bool_] = (self.winding if self.mesh["unbalanced"] == 0 else self.crossings % 2) != 0
+
+    def __len__(self) -> int:
+        return len(self.inside)
+
+    def __repr__(self) -> str:
+        return f"<lostbits inside: {int(self.inside.sum())} of {len(self)} points>"
+
+
 class Sweep(Summarised):
     """What `sweep` found: `.samples` (a row a form, format and step), `.onsets` (of one axis), `.frame`, `.plot()`."""
 

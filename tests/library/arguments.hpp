@@ -38,6 +38,10 @@ struct Arguments {
         REQUIRE(lostbits_shapes(&shapes, nullptr) == LOSTBITS_OK);
         results.reset(shapes, free_result);
         scene = made, form = own = formed, result = shapes;
+        lostbits_scene* of_mesh = nullptr;
+        REQUIRE(lostbits_scene_text(scene_text, nullptr, &of_mesh, nullptr) == LOSTBITS_OK);
+        REQUIRE(lostbits_scene_mesh(of_mesh, vertices, vertex_count, faces, face_count, nullptr) == LOSTBITS_OK);
+        mesh.reset(of_mesh, lostbits_scene_free);
         rays.count = 3;
         rays.origin = {origins.data(), 24, 8, 64};
         rays.direction = {directions.data(), 24, 8, 64};
@@ -48,7 +52,7 @@ struct Arguments {
     Arguments(const Arguments&) = delete;
     Arguments& operator=(const Arguments&) = delete;
 
-    std::shared_ptr<lostbits_scene> scenes = {};
+    std::shared_ptr<lostbits_scene> scenes = {}, mesh = {};
     std::shared_ptr<lostbits_form> own_forms = {};
     std::shared_ptr<lostbits_result> results = {};
 
@@ -144,6 +148,18 @@ inline const Function functions[] = {
     {"answers",
      [](Arguments& a, lostbits_error* e) { return lostbits_answers(a.given_rays, &a.choice, &a.run, a.out, e); }},
     {"truth", [](Arguments& a, lostbits_error* e) { return lostbits_truth(a.given_rays, &a.run, a.out, e); }},
+    {"hits",
+     [](Arguments& a, lostbits_error* e) {
+         const bool is_right = a.rays.shape != nullptr && std::string_view(a.rays.shape) == "sphere";
+         if (is_right && a.rays.solids.data != nullptr)
+             a.rays.shape = "triangle", a.rays.solids.data = (a.sphere[1] == 0 ? a.corners : a.sphere).data();
+         return lostbits_hits(a.given_rays, &a.run, a.out, e);
+     }},
+    {"inside",
+     [](Arguments& a, lostbits_error* e) {
+         const lostbits_array* const array = a.given_rays == nullptr ? nullptr : &a.rays.origin;
+         return lostbits_inside(a.scene == nullptr ? nullptr : a.mesh.get(), array, a.rays.count, &a.run, a.out, e);
+     }},
     {"sweep",
      [](Arguments& a, lostbits_error* e) { return lostbits_sweep(a.sweep, 1, a.data, &a.choice, &a.run, a.out, e); }},
     {"explain",

@@ -31,8 +31,8 @@ struct Row {
 };
 
 const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "offsets", "choose", "mend"},
-    aiming{"judge", "answers", "truth"},
-    running{"map", "judge", "answers", "truth", "sweep", "offsets", "choose", "mend"},
+    aiming{"judge", "answers", "truth", "hits"},
+    running{"map", "judge", "answers", "truth", "hits", "inside", "sweep", "offsets", "choose", "mend"},
     opening{"scene_open", "scene_text"}, wishing{"choose", "mend"};
 
 const std::vector<Row> null_rows{
@@ -40,7 +40,8 @@ const std::vector<Row> null_rows{
     {"text", {"scene_text"}, [](Arguments& a) { a.text = nullptr; }},
     {"scene to make", opening, [](Arguments& a) { a.scene_out = nullptr; }},
     {"scene",
-     {"scene_solids", "scene_mesh", "scene_transform", "scene_rays", "map", "explain", "offsets", "choose", "mend"},
+     {"scene_solids", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "offsets", "choose",
+      "mend"},
      [](Arguments& a) { a.scene = nullptr; }},
     {"shape", {"scene_solids"}, [](Arguments& a) { a.shape = nullptr; }},
     {"numbers", {"scene_solids"}, [](Arguments& a) { a.numbers = nullptr; }},
@@ -48,7 +49,8 @@ const std::vector<Row> null_rows{
     {"faces", {"scene_mesh"}, [](Arguments& a) { a.faces = nullptr; }},
     {"matrix", {"scene_transform"}, [](Arguments& a) { a.matrix = nullptr; }},
     {"result to make",
-     {"scene_rays", "shapes", "map", "judge", "answers", "truth", "sweep", "explain", "offsets", "choose", "mend"},
+     {"scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "sweep", "explain", "offsets",
+      "choose", "mend"},
      [](Arguments& a) { a.out = nullptr; }},
     {"forms", {"form_make"}, [](Arguments& a) { a.given_forms = nullptr; }},
     {"form to make", {"form_make"}, [](Arguments& a) { a.form_out = nullptr; }},
@@ -58,6 +60,8 @@ const std::vector<Row> null_rows{
     {"operations", {"form_write"}, [](Arguments& a) { a.operations = nullptr; }},
     {"op", {"form_write"}, [](Arguments& a) { a.listed[2].op = nullptr; }},
     {"rays", aiming, [](Arguments& a) { a.given_rays = nullptr; }},
+    {"points", {"inside"}, [](Arguments& a) { a.given_rays = nullptr; }},
+    {"points' numbers", {"inside"}, [](Arguments& a) { a.rays.origin.data = nullptr; }},
     {"origin", aiming, [](Arguments& a) { a.rays.origin.data = nullptr; }},
     {"direction", aiming, [](Arguments& a) { a.rays.direction.data = nullptr; }},
     {"rays' shape", aiming, [](Arguments& a) { a.rays.shape = nullptr; }},
@@ -120,12 +124,14 @@ std::vector<Row> count_rows() {
         rows.push_back({"operations" + of, {"form_write"}, [n](Arguments& a) { a.operation_count = n; }});
         rows.push_back({"own" + of, choosing, [n](Arguments& a) { a.choice.own = &a.own, a.choice.own_count = n; }});
         rows.push_back({"rays" + of, aiming, [n](Arguments& a) { a.rays.count = n; }});
+        rows.push_back({"points" + of, {"inside"}, [n](Arguments& a) { a.rays.count = n; }});
         rows.push_back({"rays of one" + of, aiming,
                         [n](Arguments& a) { a.rays.count = n, a.rays.origin.step = a.rays.direction.step = 0; }});
         rows.push_back({"rays' solids" + of, aiming, [n](Arguments& a) { a.rays.solid_count = n; }});
     }
     for (const std::ptrdiff_t n : {PTRDIFF_MAX, PTRDIFF_MIN, PTRDIFF_MAX / 2}) {
         rows.push_back({"step", aiming, [n](Arguments& a) { a.rays.origin.step = n; }});
+        rows.push_back({"step of points", {"inside"}, [n](Arguments& a) { a.rays.origin.step = n; }});
         rows.push_back({"item_step", aiming, [n](Arguments& a) { a.rays.direction.item_step = n; }});
         rows.push_back({"item_step of solids", aiming, [n](Arguments& a) { a.rays.solids.item_step = n; }});
     }
@@ -182,6 +188,7 @@ std::vector<Row> number_rows() {
         rows.push_back({"x" + is, {"explain"}, [n](Arguments& a) { a.x = n; }});
         rows.push_back({"y" + is, {"explain"}, [n](Arguments& a) { a.y = n; }});
         rows.push_back({"bits of an array" + is, aiming, [n](Arguments& a) { a.rays.origin.bits = n; }});
+        rows.push_back({"bits of points" + is, {"inside"}, [n](Arguments& a) { a.rays.origin.bits = n; }});
         rows.push_back({"bits of solids" + is, aiming, [n](Arguments& a) { a.rays.solids.bits = n; }});
         rows.push_back({"form's shape" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].shape = n; }});
         rows.push_back({"form's format" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].format = n; }});
@@ -204,6 +211,7 @@ std::vector<Row> number_rows() {
         rows.push_back(
             {"a number of the matrix" + is, {"scene_transform"}, [x](Arguments& a) { a.matrix_numbers[1] = x; }});
         rows.push_back({"a number of a ray" + is, aiming, [x](Arguments& a) { a.origins[4] = x; }});
+        rows.push_back({"a number of a point" + is, {"inside"}, [x](Arguments& a) { a.origins[4] = x; }});
         rows.push_back({"a solid of rays" + is, aiming, [x](Arguments& a) { a.sphere[1] = x; }});
         rows.push_back({"bits of a wish" + is, wishing, [x](Arguments& a) { a.wish.bits = x; }});
         rows.push_back({"wrong of a wish" + is, wishing, [x](Arguments& a) { a.wish.wrong = x; }});

@@ -108,7 +108,7 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
 
 /// t is on one of the planes of the slabs and moves as far as any of them can come to where it is. A slab that the line
 /// does not cross has 1/0 there, which no error moves.
-double moved_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
+[[maybe_unused]] double moved_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
     double most = 0;
     for (std::size_t i = 0; i < s.entry.size(); ++i)
         for (const auto& plane : {s.entry[i], s.exit[i]})

@@ -121,6 +121,29 @@ std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
     return found;
 }
 
+MeshEdges count_edges(const Mesh& mesh, StopToken stop) {
+    MeshEdges found;
+    for_each_edge(
+        mesh,
+        [&](std::span<const Edge> of) {
+            std::ptrdiff_t balance = 0;
+            for (const Edge& edge : of) {
+                const Face& f = mesh.faces[edge.face];
+                const auto low = std::ranges::find(f, edge.low) - f.begin();
+                balance += f[(low + 1) % 3] == edge.high ? 1 : -1;
+            }
+            ++found.edges;
+            found.border += of.size() == 1, found.non_manifold += of.size() > 2;
+            found.unbalanced += balance != 0, found.odd += of.size() % 2;
+        },
+        stop);
+    std::vector<Face> faces = mesh.faces;
+    for (Face& face : faces) std::ranges::sort(face);
+    std::ranges::sort(faces, by([](const Face& f) { return f; }, stop));
+    for (std::size_t i = 1; i < faces.size(); ++i) found.duplicates += faces[i] == faces[i - 1];
+    return found;
+}
+
 Mesh joined(std::vector<Mesh> meshes) {
     Mesh all = std::move(meshes.front());
     for (std::size_t i = 1; i < meshes.size(); ++i) {

@@ -59,6 +59,18 @@ struct SharedEdge {
 /// Every edge of exactly two faces, ordered by its ends. O(n log n) for n faces.
 std::vector<SharedEdge> shared_edges(const Mesh& mesh);
 
+/// Counts of what keeps a mesh from having an inside. Faces without area, which are left out, leave their edges open.
+struct MeshEdges {
+    std::size_t edges = 0;
+    std::size_t border = 0;        ///< edges of one face
+    std::size_t non_manifold = 0;  ///< edges of more than two faces
+    std::size_t unbalanced = 0;    ///< edges along which more faces run one way than the other
+    std::size_t odd = 0;           ///< edges with an odd number of faces
+    std::size_t duplicates = 0;    ///< faces with the same three vertices as an earlier face
+};
+/// O(n log n) for n faces.
+MeshEdges count_edges(const Mesh& mesh, intersect::process::StopToken stop = {});
+
 /// Joins the meshes into one, in their order.
 Mesh joined(std::vector<Mesh> meshes);
 

@@ -1,0 +1,127 @@
+#include "measure/truth/mesh_crossings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "measure/truth/side.hpp"
+#include "number/error.hpp"
+#include "shapes/lift.hpp"
+
+namespace lostbits::measure::truth {
+
+namespace {
+
+/// Exact position of a line relative to one triangle.
+struct Passage {
+    enum class By : std::uint8_t { outside, rim, inner, in_plane };
+    By by = By::outside;
+    bool front = false;  ///< known for `rim` and `inner`
+    int t_sign = 0;      ///< known for `rim` and `inner`
+};
+
+template <class E>
+std::optional<Passage> find_passage(const Ray<double>& ray, const Solid<double>& triangle) {
+    const auto span = span_of<Triangle>(lift_ray<E>(ray), lift_solid<E>(triangle));
+    if (sign(span.at.m) == 0) return Passage{.by = Passage::By::in_plane};
+    if (span.closed.is_no()) return Passage{};
+    if (!span.closed.is_yes() || span.open.is_unknown()) return std::nullopt;
+    const auto t = sign(span.at.n);
+    if (!t) return std::nullopt;
+    return Passage{span.open.is_yes() ? Passage::By::inner : Passage::By::rim, span.front.is_yes(), *t};
+}
+
+/// Nothing if no precision decides.
+std::optional<Passage> passage(const Ray<double>& ray, const Solid<double>& triangle) {
+    if (!is_proper(triangle)) return Passage{};
+    return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
+}
+
+/// Order of the t of two crossings, −1, 0 or 1, by n/m of their spans, m > 0.
+std::optional<int> order_of_t(const Ray<double>& ray, const Solid<double>& a, const Solid<double>& b) {
+    return by_rising_precision([&]<class E>() {
+        const auto its = lift_ray<E>(ray);
+        const auto x = span_of<Triangle>(its, lift_solid<E>(a)).at, y = span_of<Triangle>(its, lift_solid<E>(b)).at;
+        return sign<E>(x.n * y.m - y.n * x.m);
+    });
+}
+
+std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles& among) {
+    std::vector<std::uint32_t> found;
+    if (among.index) {
+        among.index->candidates(ray, found);
+    } else {
+        found.resize(among.solids.size());
+        std::iota(found.begin(), found.end(), 0U);
+    }
+    return found;
+}
+
+/// Directions without zeros and without two components of one size, from the fractional parts of multiples of √2, √3
+/// and √5: none lies in a plane that people draw.
+Vec<double> direction_of_attempt(int k) {
+    const auto part = [k](double x) { return std::fmod((k + 1) * x, 1) + 0x1p-6; };
+    const Vec<double> d(part(std::sqrt(2.0)), part(std::sqrt(3.0)), part(std::sqrt(5.0)));
+    return k % 2 == 0 ? d : -1.0 * d;
+}
+
+/// Counts the crossings of one ray from a point. Nothing if the ray meets a rim or lies in the plane of a triangle.
+std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& mesh, TruthLimit limit) {
+    PointInMesh found;
+    bool is_clear = true;
+    for (const std::uint32_t k : candidates_of(ray, mesh)) {
+        limit.stop.check();
+        const auto by = passage(ray, mesh.solids[k]);
+        if (!by || by->by == Passage::By::in_plane) {
+            is_clear = false;
+            continue;
+        }
+        if (by->by == Passage::By::outside || by->t_sign < 0) continue;
+        if (by->t_sign == 0) return PointInMesh{.on_surface = true};
+        if (by->by == Passage::By::rim) is_clear = false;
+        ++found.crossings;
+        found.winding += by->front ? -1 : 1;
+    }
+    return is_clear ? std::optional(found) : std::nullopt;
+}
+
+}  // namespace
+
+MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const Range<double>& range,
+                           TruthLimit limit) {
+    MeshCrossings found;
+    if (!is_proper(ray)) return found;
+    for (const std::uint32_t k : candidates_of(ray, among)) {
+        limit.stop.check();
+        const Solid<double> triangle = among.solids[k];
+        const auto by = passage(ray, triangle);
+        if (by && (by->by == Passage::By::outside || by->by == Passage::By::in_plane)) continue;
+        const Truth truth = find_truth(ray, triangle, limit, {}, range);
+        if (!by || truth.decision == Truth::Decision::unresolved) found.is_resolved = false;
+        else if (truth.is_hit()) found.in_order.push_back({k, 0, truth.t, by->front, by->by == Passage::By::rim});
+    }
+    const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
+        if (const int apart = compare(a.t, b.t); apart != 0) return apart;
+        const auto exact = order_of_t(ray, among.solids[a.triangle], among.solids[b.triangle]);
+        if (!exact) found.is_resolved = false;
+        return exact.value_or(0);
+    };
+    std::ranges::stable_sort(found.in_order, [&](const auto& a, const auto& b) { return order(a, b) < 0; });
+    for (std::size_t i = 1; i < found.in_order.size(); ++i) {
+        MeshCrossing &last = found.in_order[i - 1], &next = found.in_order[i];
+        next.place = last.place + (order(last, next) == 0 ? 0 : 1);
+    }
+    return found;
+}
+
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit) {
+    constexpr int attempts = 64;
+    if (is_proper(Ray<double>{point, {1, 1, 1}}))
+        for (int k = 0; k < attempts; ++k)
+            if (const auto found = count_crossings({point, direction_of_attempt(k)}, mesh, limit)) return *found;
+    return {.is_resolved = false};
+}
+
+}  // namespace lostbits::measure::truth

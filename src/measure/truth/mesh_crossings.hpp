@@ -1,0 +1,58 @@
+// Every crossing of a ray with triangles, in exact order, and the winding number of a point in a mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "measure/culling/culling.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::measure::truth {
+
+/// Triangles and the index that finds those that a ray can meet. Index null: every triangle is tested.
+struct Triangles {
+    const scene::rays::SolidList<double>& solids;  ///< of no other shape
+    const culling::SolidIndex* index = nullptr;
+};
+
+/// A point at which a ray meets a triangle, its rim included.
+struct MeshCrossing {
+    std::uint32_t triangle = 0;
+    int place = 0;        ///< in the order of t, from 0; crossings at the same t have the same place
+    Certified t;          ///< in lengths of the direction
+    bool front = false;   ///< the ray comes from the side on which the corners run counter-clockwise
+    bool at_rim = false;  ///< it passes through an edge or a vertex
+};
+
+/// Crossings of one ray.
+struct MeshCrossings {
+    std::vector<MeshCrossing> in_order;  ///< by t, then by the number of the triangle
+    bool is_resolved = true;             ///< false: no precision decided, and crossings may be missing
+};
+
+/// Finds every crossing with t in `range`. Decisions and the order of t are signs of dyadic polynomials, so that a tie
+/// is a tie of the exact numbers. A ray in the plane of a triangle does not cross it.
+MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const Range<double>& range = {},
+                           TruthLimit limit = {});
+
+/// Position of a point relative to a mesh.
+struct PointInMesh {
+    int winding = 0;          ///< by how many layers of the surface it is enclosed, see `place_in_mesh`
+    int crossings = 0;        ///< of the ray that was counted
+    bool on_surface = false;  ///< it lies on a triangle; the two numbers are 0 then
+    bool is_resolved = true;  ///< false: the point is not finite, or no ray was found that passes all edges
+};
+
+/// Counts crossings of a ray that begins at the point: winding = (triangles that it leaves through the back) − (those
+/// that it meets from the front). Directions are tried, the same ones for every point, until the ray meets no rim and
+/// lies in no plane of a triangle that it may meet.
+///
+/// The number does not depend on the direction if at every edge of the mesh as many faces run one way as the other
+/// (`MeshEdges::unbalanced` = 0): the faces are then a closed 2-chain, the boundary of a 3-chain whose multiplicity at
+/// the point is the sum of the signs of the crossings with any ray that misses the edges. It is 1 inside a closed mesh
+/// whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every edge has an even
+/// number of faces (`MeshEdges::odd` = 0), the same holds modulo 2 for the number of crossings, however the faces are
+/// turned.
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit = {});
+
+}  // namespace lostbits::measure::truth

@@ -1,0 +1,220 @@
+// Crossings with meshes and winding numbers, against whole numbers: corners, origins and directions on a small grid, so
+// that edges, vertices, planes and ties are met all the time, and 64 bits hold every polynomial.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <vector>
+
+#include "catch.hpp"
+#include "measure/culling/box_tree.hpp"
+#include "measure/truth/mesh_crossings.hpp"
+#include "scene/rays/random.hpp"
+#include "shapes/triangle/mesh/mesh.hpp"
+
+namespace lostbits::test::test_mesh_crossings {
+
+using measure::culling::BoxTree;
+using measure::truth::crossings_of;
+using measure::truth::place_in_mesh;
+using measure::truth::Triangles;
+using scene::rays::SolidList;
+using Whole = std::int64_t;
+using Point = std::array<Whole, 3>;
+
+namespace {
+
+Point less(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point crossed(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Whole dotted(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec<double> vec(const Point& p) {
+    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+
+struct Corners {
+    Point a, b, c;
+    [[nodiscard]] Solid<double> solid() const { return Triangle<double>{vec(a), vec(b), vec(c)}; }
+};
+
+/// A crossing in whole numbers: t = n/m, m > 0.
+struct Met {
+    std::uint32_t triangle;
+    Whole n, m;
+    bool front, at_rim;
+};
+
+/// In the order of t. `in_plane`: whether the ray lies in the plane of a triangle.
+std::vector<Met> brute_force(const Point& o, const Point& d, const std::vector<Corners>& mesh, bool& in_plane) {
+    std::vector<Met> met;
+    for (std::uint32_t k = 0; k < mesh.size(); ++k) {
+        const Point a = less(mesh[k].a, o), b = less(mesh[k].b, o), c = less(mesh[k].c, o);
+        const Point normal = crossed(less(b, a), less(c, a));
+        const Whole m = dotted(d, normal), sign = m < 0 ? -1 : 1;
+        if (m == 0) in_plane |= dotted(a, normal) == 0;
+        const std::array<Whole, 3> sides{sign * dotted(d, crossed(b, c)), sign * dotted(d, crossed(c, a)),
+                                         sign * dotted(d, crossed(a, b))};
+        const Whole least = std::ranges::min(sides), n = sign * dotted(a, normal);
+        if (m != 0 && least >= 0 && n >= 0) met.push_back({k, n, sign * m, m < 0, least == 0});
+    }
+    std::ranges::stable_sort(met, [](const Met& x, const Met& y) { return x.n * y.m < y.n * x.m; });
+    return met;
+}
+
+class Draw {
+public:
+    explicit Draw(std::uint64_t seed) : random_(seed) {}
+    Point point(int half) { return {in(half), in(half), in(half)}; }
+    Corners triangle(int half) {
+        for (;;) {
+            const Corners t{point(half), point(half), point(half)};
+            if (crossed(less(t.b, t.a), less(t.c, t.a)) != Point{}) return t;
+        }
+    }
+    Point direction(int half) {
+        for (;;)
+            if (const Point d = point(half); d != Point{}) return d;
+    }
+    int below(int n) { return random_.below(n); }
+
+private:
+    Whole in(int half) { return random_.below(2 * half + 1) - half; }
+    scene::rays::Random random_;
+};
+
+/// The faces of a box, some of them divided otherwise, turned inside out where `turn`.
+void add_box(std::vector<Corners>& mesh, const Point& lo, const Point& size, bool turn, Draw& draw) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (int end = 0; end < 2; ++end) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            const auto corner = [&](int i, int j) {
+                Point p = lo;
+                p[axis] += end * size[axis], p[u] += i * size[u], p[v] += j * size[v];
+                return p;
+            };
+            std::array<Point, 4> round{corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
+            if (draw.below(2) != 0) std::ranges::rotate(round, round.begin() + 1);
+            if ((end == 0) != turn) std::ranges::reverse(round);
+            mesh.push_back({round[0], round[1], round[2]});
+            mesh.push_back({round[0], round[2], round[3]});
+        }
+}
+
+SolidList<double> solids_of(const std::vector<Corners>& mesh) {
+    std::vector<Solid<double>> solids;
+    for (const Corners& one : mesh) solids.push_back(one.solid());
+    return solids;
+}
+
+std::shared_ptr<const BoxTree> tree_of(const SolidList<double>& solids) {
+    return BoxTree::make(solids, {.origin = 64, .least_direction = 1, .direction = 64}, nullptr);
+}
+
+/// Compares all crossings of a ray with those in whole numbers.
+void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh, const Triangles& among) {
+    bool in_plane = false;
+    const auto expected = brute_force(o, d, mesh, in_plane);
+    const auto found = crossings_of({vec(o), vec(d)}, among);
+    REQUIRE(found.is_resolved);
+    REQUIRE(found.in_order.size() == expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const auto& x = found.in_order[i];
+        const Met& y = expected[i];
+        const double t = static_cast<double>(y.n) / static_cast<double>(y.m);
+        REQUIRE(x.triangle == y.triangle);
+        REQUIRE(x.front == y.front);
+        REQUIRE(x.at_rim == y.at_rim);
+        REQUIRE(x.t.is_zero() == (y.n == 0));
+        REQUIRE(std::fabs(std::ldexp(x.t.hi, static_cast<int>(x.t.exponent)) - t) <= 0x1p-52 * t);
+        const int step = i == 0 ? x.place : x.place - found.in_order[i - 1].place;
+        REQUIRE(step == (i > 0 && expected[i - 1].n * y.m != y.n * expected[i - 1].m ? 1 : 0));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("crossings of rays with triangles are those of whole numbers, ties and rims included") {
+    Draw draw(17);
+    std::size_t met = 0, ties = 0, rims = 0;
+    for (int soup = 0; soup < 20; ++soup) {
+        std::vector<Corners> mesh;
+        for (int k = 0; k < 400; ++k) mesh.push_back(draw.triangle(soup % 2 == 0 ? 4 : 12));
+        for (int k = 0; k < 20; ++k) mesh.push_back(mesh[static_cast<std::size_t>(draw.below(400))]);  // duplicates
+        for (int k = 0; k < 7; ++k) add_box(mesh, draw.point(8), {1 + draw.below(4), 2, 3}, k % 2 == 0, draw);
+        const SolidList<double> solids = solids_of(mesh);
+        const auto tree = tree_of(solids);
+        REQUIRE(tree != nullptr);
+        for (int i = 0; i < 500; ++i) {
+            const Point o = draw.point(10), d = draw.direction(6);
+            check_ray(o, d, mesh, {solids, i % 4 == 0 ? nullptr : tree.get()});
+            bool in_plane = false;
+            const auto all = brute_force(o, d, mesh, in_plane);
+            met += all.size();
+            for (std::size_t k = 0; k < all.size(); ++k) {
+                rims += all[k].at_rim;
+                ties += k > 0 && all[k - 1].n * all[k].m == all[k].n * all[k - 1].m;
+            }
+        }
+    }
+    CHECK(met > 100000);
+    CHECK(ties > 3000);
+    CHECK(rims > 3000);
+}
+
+TEST_CASE("a range takes the crossings within it, its ends by their convention") {
+    const std::vector<Corners> mesh{{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, {{0, 0, 3}, {4, 0, 3}, {0, 4, 3}}};
+    const SolidList<double> solids = solids_of(mesh);
+    const Ray<double> ray{{1, 1, 0}, {0, 0, 1}};
+    const auto count = [&](const Range<double>& range) { return crossings_of(ray, {solids}, range).in_order.size(); };
+    CHECK(count({}) == 2);
+    CHECK(count({.tmin = 1, .tmax = 3}) == 2);
+    CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true}}) == 1);
+    CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true, .tmax = true}}) == 0);
+    CHECK(count({.tmin = 2, .tmax = 2.5}) == 0);
+}
+
+TEST_CASE("winding numbers of points are those of the boxes that a mesh is made of") {
+    Draw draw(23);
+    std::size_t on_surface = 0, deep = 0;
+    for (int scene = 0; scene < 40; ++scene) {
+        std::vector<Corners> mesh;
+        struct Placed {
+            Point lo, size;
+            bool turn;
+        };
+        std::vector<Placed> boxes;
+        for (int k = 0; k < 12; ++k) {
+            boxes.push_back({draw.point(6), {4 + draw.below(9), 4 + draw.below(9), 4 + draw.below(9)}, k % 3 == 0});
+            add_box(mesh, boxes.back().lo, boxes.back().size, boxes.back().turn, draw);
+        }
+        const SolidList<double> solids = solids_of(mesh);
+        const auto tree = tree_of(solids);
+        for (int i = 0; i < 250; ++i) {
+            const Point p = draw.point(9);
+            int winding = 0;
+            bool on = false;
+            for (const Placed& box : boxes) {
+                bool in = true, at_wall = false;
+                for (int k = 0; k < 3; ++k) {
+                    in &= p[k] >= box.lo[k] && p[k] <= box.lo[k] + box.size[k];
+                    at_wall |= p[k] == box.lo[k] || p[k] == box.lo[k] + box.size[k];
+                }
+                on |= in && at_wall;
+                if (in && !at_wall) winding += box.turn ? -1 : 1;
+            }
+            const auto found = place_in_mesh(vec(p), {solids, i % 4 == 0 ? nullptr : tree.get()});
+            REQUIRE(found.is_resolved);
+            REQUIRE(found.on_surface == on);
+            if (!on) REQUIRE(found.winding == winding);
+            if (!on) REQUIRE((found.crossings - winding) % 2 == 0);
+            on_surface += on, deep += !on && winding > 1;
+        }
+    }
+    CHECK(on_surface > 1000);
+    CHECK(deep > 100);
+    CHECK_FALSE(place_in_mesh({NAN, 0, 0}, {solids_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})}).is_resolved);
+}
+
+}  // namespace lostbits::test::test_mesh_crossings
