@@ -157,7 +157,8 @@ float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
 
 TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     const std::string f = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
-    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f), "mine.glsl:2:6: roots is \"some\"; it is one of both"));
+    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f),
+              "mine.glsl:2:6: roots is \"some\"; it must be one of both"));
     CHECK(has(refused("/* a\nlostbits: colour=red */" + f), "mine.glsl:2:1: unknown key \"colour\""));
     CHECK(has(refused(f, ":g"), "there is no function \"g\""));
     CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it is negative"));
@@ -168,7 +169,7 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
     CHECK(
         has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
-    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is about an interval, and needs both roots"));
+    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
     const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, and `float ";
     CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` is not told where rays begin and end; give it"));
     CHECK(
