@@ -1,5 +1,5 @@
-// All forms: those of each shape, which its own folder lists, and the closed list of those that march, one line each
-// (and its include). Everything else follows from these.
+// All forms: those of each shape, which the folder of the shape lists, and the closed list of those that march, with a
+// line and an include for each. Everything else follows from these lists.
 #pragma once
 
 #include <iterator>

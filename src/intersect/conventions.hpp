@@ -115,9 +115,9 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
 inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& from) {
     if (at_origin == AtOrigin::hit || !is_solid(shape) || origin_matters(shape, inside)) return;
     throw InputError(
-        from + ": from inside of " + with_article(shape) +
-        " the answer is 0, and so it is from its surface, whatever at_origin says; leave at_origin out, or "
-        "say inside = exit or miss");
+        from + ": at_origin changes no answer about " + with_article(shape) +
+        ": from inside the answer is 0, and so it is from the surface; leave at_origin out, or set inside = exit or "
+        "miss");
 }
 
 /// True if a form yields the next crossing when the range of a ray excludes its first one: it yields both roots, or it

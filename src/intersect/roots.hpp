@@ -1,4 +1,4 @@
-// From discriminant to answer: the last steps that forms of several shapes share.
+// The steps from the discriminant to the answer that forms of several shapes share.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -20,18 +20,18 @@ struct RootPair {
     }
 };
 
-/// The first root with t ≥ 0: near, or far where near is negative. `missed` is the form's own test of the
-/// discriminant, as its source writes it (`disc < 0`, …); a NaN fails every test, so it arrives as a hit at NaN, which
-/// is what the code in the field does with it.
+/// The first root with t ≥ 0: near, or far if near is negative. `missed` is the form's own test of the discriminant, as
+/// its source writes it (`disc < 0`, …). A NaN fails every test, so it comes out as a hit at NaN, as in the published
+/// code.
 template <Number T>
 Hit<T> first_hit(mask_t<T> missed, const RootPair<T>& roots) {
-    // t has no name of its own: GCC 12 stored it in every round of the packed loops, and nobody read it there.
+    // t is not a local variable: GCC 12 stored it in every round of the packed loops, where nothing read it.
     Hit<T> hit{missed, named("t", select(roots.near < T(0), roots.far, roots.near)), roots.near, roots.far};
     hit.hit = !(missed || hit.t < T(0));
     return hit;
 }
 
-/// Near root only: no answer for a ray from inside.
+/// The near root alone: a ray from inside misses.
 template <Number T>
 Hit<T> near_hit(mask_t<T> missed, const T& near) {
     return Hit<T>{!(missed || near < T(0)), near, near, near};
@@ -49,9 +49,9 @@ RootPair<T> plain_half_roots(const T& a, const T& h, const T& root) {
     return {(-h - root) / a, (-h + root) / a};
 }
 
-/// Equation (6), Press et al.: q = −½(b + sign(b) root), roots c/q and q/a, so that nothing of like size is
-/// subtracted. sign(0) = +1 as published code has it (the text of Ray Tracing Gems ch. 7 says −1); c/q is the near root
-/// where b < 0.
+/// Equation (6), Press et al.: q = −½(b + sign(b) root), roots c/q and q/a, so that numbers of similar size
+/// are never subtracted. sign(0) = +1 as in the published code (the text of Ray Tracing Gems ch. 7 says −1); c/q is the
+/// near root if b < 0.
 template <Number T>
 RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
     return decide(b < T(0), [&](const mask_t<T>& ahead) {
@@ -63,7 +63,7 @@ RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
 }
 
 /// Equation (10), the same without the factor 2: q = b' + sign(b') root, b' = −f·d, root = √(aΔ), roots c/q and q/a.
-/// sign(0) = +1; c/q is the near root where b' ≥ 0. A tangent ray that starts on the surface has q = 0, hence 0/0.
+/// sign(0) = +1; c/q is the near root if b' ≥ 0. A tangent ray that starts on the surface has q = 0, hence 0/0.
 template <Number T>
 RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& root) {
     return decide(minus_b < T(0), [&](const mask_t<T>& behind) {

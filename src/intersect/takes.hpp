@@ -1,4 +1,4 @@
-// Which shape a form's `intersect` takes, for translation units that may include nothing heavier (see
+// The shape that a form's `intersect` takes, for translation units that may include nothing heavier (see
 // packed_batch.hpp).
 #pragma once
 
@@ -16,7 +16,8 @@ inline constexpr bool meets = [] {
         };
 }();
 
-/// The shape that a form is of, by what its `intersect` takes: a sphere, a box and the ray's end, or any field.
+/// The shape of a form, from the arguments of its `intersect`: a sphere, a box and the ray's end, …; `sdf` if it takes
+/// a field.
 template <class Form>
 inline constexpr Shape shape_of = [] {
     Shape found = Shape::sdf;
@@ -30,14 +31,15 @@ inline constexpr Shape shape_of = [] {
 template <class Form>
 inline constexpr bool marches = !is_solid(shape_of<Form>);
 
-/// `Form::intersect` on a solid; `tmax` reaches the forms that are told where a ray ends, `watch` those that take one.
+/// Calls `Form::intersect` on a primitive. `tmax` is passed if forms of the shape take the end of the ray, `watch` if
+/// it is given.
 template <class Form, class T, template <class> class S, class... Watch>
 Hit<T> intersect_solid(const Ray<T>& ray, const S<T>& solid, const T& tmax, Watch&... watch) {
     if constexpr (S<T>::told_end) return Form::intersect(ray, solid, tmax, watch...);
     else return Form::intersect(ray, solid, watch...);
 }
 
-/// The same on the shape that `number(0)`, `number(1)`, … are the numbers of.
+/// The same on the primitive whose numbers are `number(0)`, `number(1)`, …
 template <class Form, class T, class Numbers>
 Hit<T> intersect_numbers(const Ray<T>& ray, const Numbers& number, const T& tmax) {
     return Solids::of_shape<shape_of<Form>>(

@@ -1,4 +1,4 @@
-// What a kernel is aimed at: one solid, or, for the forms that march, all of them together with the constants of the
+// The target of a kernel: one primitive or, for forms that march, all primitives together and the constants of the
 // march.
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace lostbits::intersect {
 
-/// A view: the solids and constants outlive it.
+/// A view: the primitives and constants outlive it.
 template <class S>
 struct Target {
-    /// For the forms of a sphere or a box one, which every ray of a batch is aimed at, or as many as rays, of one
-    /// shape: to each its own. Packs take one.
+    /// For a form of one shape: one primitive for every ray of a batch, or one for each ray, all of that shape. Packs
+    /// take only one. For a form that marches: all primitives.
     std::span<const Solid<S>> solids;
     const MarchConstants<S>* march = nullptr;  ///< never null for the forms of `Shape::sdf`
 
@@ -24,7 +24,7 @@ struct Target {
     Target(std::span<const Solid<S>> all, const MarchConstants<S>& constants) : solids(all), march(&constants) {}
 };
 
-/// A target in another arithmetic, which `lift` takes each number to.
+/// A target in another arithmetic: `lift` converts each number.
 template <class T>
 class LiftedTarget {
 public:
@@ -34,7 +34,7 @@ public:
         for (const Solid<S>& solid : from.solids) solids_.push_back(transformed(solid, lift));
         if (from.march) march_.emplace(transformed(*from.march, lift));
     }
-    /// Valid as long as this is.
+    /// Valid while this object lives.
     [[nodiscard]] Target<T> get() const {
         return march_ ? Target<T>(solids_, *march_) : Target<T>(std::span<const Solid<T>>(solids_));
     }

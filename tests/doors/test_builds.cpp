@@ -104,7 +104,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
     const Outcome twice =
         run("list intersectors" + plugin("schoolbook") + " --plugin next/schoolbook.so", folder.path());
     CHECK(twice.code == 2);
-    CHECK(has(twice.err, "--plugin new=next/schoolbook.so calls its forms new.example.schoolbook"));
+    CHECK(has(twice.err, "--plugin new=next/schoolbook.so calls this form new.example.schoolbook"));
     CHECK(has(twice.err, "the first time from " + library("schoolbook")));
     std::filesystem::copy_file(library("own_forms"), folder.path() / "next/own_forms.so");
     const Outcome formulas =
@@ -115,7 +115,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
                                 "name; give one library a name: --plugin new=next/own_forms.so"));
     const Outcome bad = run("list intersectors --plugin sphere=next/schoolbook.so", folder.path());
     CHECK(bad.code == 2);
-    CHECK(has(bad.err, "begin the names of the forms that ship"));
+    CHECK(has(bad.err, "belong to the forms that ship"));
     CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such library"));
     CHECK(has(run("list intersectors --plugin new=", folder.path()).err, "--plugin new=: names no library; "));
 }

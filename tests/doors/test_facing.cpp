@@ -85,7 +85,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
     CHECK(judged("both")["false_miss"] == "1");
     const Outcome refused = run("judge rays.csv --sphere 0,0,0,1 --facing front -o out", folder.path());
     CHECK(refused.code == 2);
-    CHECK(has(refused.err, "facing is for what has a front and a back (triangles, discs, planes)"));
+    CHECK(has(refused.err, "facing is only for shapes with a front and a back (triangles, discs, planes)"));
 }
 
 TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
@@ -99,7 +99,7 @@ TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
     CHECK((*found)["facing"] == "front");
     check_refused_headers({{first + "shape=sphere\\nfacing=front", "leave it out of a sphere"},
                            {first + "shape=tube\\nfacing=back", "leave it out of a tube"},
-                           {first + "shape=triangle\\nfacing=ahead", "it is one of both, front, back"}});
+                           {first + "shape=triangle\\nfacing=ahead", "it must be one of both, front, back"}});
 }
 
 }  // namespace test_facing

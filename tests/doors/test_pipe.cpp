@@ -45,22 +45,24 @@ TEST_CASE("pipe: a command that does not answer as it should is named, and nothi
         int code;
     };
     for (const Fault& fault : std::initializer_list<Fault>{
-             {" --pipe 'echo hello'", "says \"hello\" first", 3},
-             {" --pipe 'printf \"\\033[2Jboo\\n\"'", "says \"\\x1b[2Jboo\" first", 3},
+             {" --pipe 'echo hello'", "printed \"hello\" first", 3},
+             {" --pipe 'printf \"\\033[2Jboo\\n\"'", "printed \"\\x1b[2Jboo\" first", 3},
              {" --pipe no-such-command-here", "the shell did not find the command", 3},
              {" --pipe true", "ended with status 0", 3},
              {" --pipe 'sleep 60'", "within the time limit", 3},
-             {" --pipe 'yes | tr -d \"\\n\"'", "a first line without end", 3},
+             {" --pipe 'yes | tr -d \"\\n\"'", "a line of more than 4096 bytes", 3},
              {speaking("name=a.x", "cat >/dev/null"), "within the time limit", 3},
              {speaking("name=a.x", "head -c 20 >/dev/null; echo helloworld"), "answered \"hellowor\"", 3},
-             {speaking("name=a.x", "head -c 20 >/dev/null; printf 'LBA1'"), "ended without a whole answer", 3},
+             {speaking("name=a.x", "head -c 20 >/dev/null; printf 'LBA1'"),
+              "ended before it had written a whole answer", 3},
              {speaking("name=a.x", "exit 3"), "status 3", 3},
              {speaking("name=a.x", "head -c 100 >/dev/null; kill -SEGV \\$\\$"), "signal 11", 3},
-             {speaking("name=a.x\\nshape=cube", "cat"), "shape is \"cube\"; it is one of sphere, box, triangle", 2},
+             {speaking("name=a.x\\nshape=cube", "cat"), "shape is \"cube\"; it must be one of sphere, box, triangle",
+              2},
              {speaking("shape=box", "cat"), "a form begins with name=", 2},
              {speaking("name=a.x\\ncolour=red", "cat"), "unknown key \"colour\"", 2},
              {speaking("name=a.x\\nred", "cat"), "is not key=value", 2},
-             {speaking("name=a.x\\nflags=fast", "cat"), "flags is \"fast\"; it is one of line, no_end, one_thread",
+             {speaking("name=a.x\\nflags=fast", "cat"), "flags is \"fast\"; it must be one of line, no_end, one_thread",
               2}}) {
         const Scratch folder;
         const Outcome o =

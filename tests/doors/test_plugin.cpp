@@ -138,8 +138,8 @@ TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files",
                                Fault{"odd.hangs", "has not answered a batch within the time limit"},
                                Fault{"odd.throws_through", "threw an exception through its C interface", false},
                                Fault{"odd.refuses", "it is "}, Fault{"odd.lazy", "did not write `hit`"},
-                               Fault{"odd.garbage", "wrote 7 to `hit`; it is 1 or 0"},
-                               Fault{"odd.half", "did not write both of near and far"}}) {
+                               Fault{"odd.garbage", "wrote 7 to `hit`; it must be 1 or 0"},
+                               Fault{"odd.half", "did not write both near and far"}}) {
         for (const std::string door : {"", " --isolate"}) {
             if (!door.empty() && !fault.isolated) continue;
             const Scratch folder;
@@ -213,8 +213,8 @@ TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[
         CHECK(o.code == 2);
         CHECK(has(o.err, says));
     };
-    refused("no-such-library", "no such library; looked here");
-    refused("./no-such-library.so", "there is no such library");
+    refused("no-such-library", "no such library; looked in the current folder");
+    refused("./no-such-library.so", "./no-such-library.so: no such library");
     refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++ -O2");
     refused(folder.write("mine.cpp", "#include <lostbits_form.hpp>\n"),
             "compile it first: c++ -shared mine.cpp -o mine.so @build/form.flags");
@@ -236,16 +236,16 @@ TEST_CASE("plugin: a contract that makes no sense is refused by its name", "[doo
              {"no_name", "a form has no name"},
              {"name", "must begin with a letter"},
              {"no_dot", "a name is LIBRARY.FORM"},
-             {"ours", "begin the names of the forms that ship"},
+             {"ours", "belong to the forms that ship"},
              {"shape", "shape is 99; it must be from 0 to 10"},
              {"format", "format is 16; it must be 32 (float) or 64 (double)"},
              {"roots", "roots is -1"},
              {"flags", "flags has bits that this version does not know"},
-             {"line", "need both roots"},
+             {"line", "line needs roots = both or near"},
              {"title", "title must be one line"},
              {"run", "run is NULL"},
              {"twice", "comes twice in binary32"},
-             {"none", "says that it has 0 forms"},
+             {"none", "states 0 forms"},
              {"version", "has no forms for version 1"}}) {
         const Outcome o = run("list intersectors" + plugin("wrong_contracts"), folder.path(), "ODD_CONTRACT=" + word);
         INFO(word << ": " << o.err);

@@ -202,13 +202,13 @@ TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {
 
 TEST_CASE("words: what contradicts itself is refused, and what a library of before says still means the same",
           "[doors]") {
-    check_refused_headers({{"roots=first\\nflags=line", "need both roots, or the near one"},
-                           {"roots=near\\nflags=clipped", "clipped is about an interval"},
-                           {"flags=clipped", "say at_origin = exit as well"},
-                           {"inside=near", "the near root alone"},
-                           {"roots=near\\ninside=exit", "tells the first root"},
-                           {"shape=box\\nat_origin=miss", "say inside = exit or miss"},
-                           {"inside=out", "it is one of usual, exit, zero, near, miss"}});
+    check_refused_headers({{"roots=first\\nflags=line", "line needs roots = both or near"},
+                           {"roots=near\\nflags=clipped", "clipped describes an interval"},
+                           {"flags=clipped", "set at_origin = exit or miss"},
+                           {"inside=near", "inside = near needs roots = near"},
+                           {"roots=near\\ninside=exit", "inside = exit contradicts roots = near"},
+                           {"shape=box\\nat_origin=miss", "set inside = exit or miss"},
+                           {"inside=out", "it must be one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
         CHECK(listed_by_pipe(words).code == 0);

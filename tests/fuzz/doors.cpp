@@ -20,7 +20,7 @@ namespace {
 intersect::doors::Speaker speaker_of(std::string_view text) {
     const auto fail = [](const std::string& what) { throw EnvironmentError("a pipe: " + what); };
     const auto next = [text, fail]() mutable {
-        if (text.find('\n') == std::string_view::npos) fail("ended without a whole answer");
+        if (text.find('\n') == std::string_view::npos) fail("ended before it had written a whole answer");
         return take_line(text);
     };
     return {next, fail};

@@ -99,7 +99,7 @@ TEST_CASE("shader: a ray that the device does not answer is an error, not a miss
     const auto forms = forms_of(some_shader(), echo, false, "");
     CHECK_THROWS_WITH(
         forms[0].answer({100, rays.data(), nullptr, solids.data(), 0, near_far.data(), hit.data(), nullptr, nullptr}),
-        "echo: the device is lost: it wrote no answer; does the shader run for long?");
+        "echo: the device is lost: it wrote no answer; does the shader run too long?");
 }
 
 TEST_CASE("shader: doubles are refused or left out where the device has none", "[shader]") {

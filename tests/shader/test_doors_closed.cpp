@@ -55,9 +55,9 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
         std::string before, device, says;
     };
     for (const Closed& c : std::initializer_list<Closed>{
-             {no_gl, "--device opengl", "opengl: no driver with OpenGL 4.3 answers without a window"},
-             {no_mesa, "--device opengl", "opengl: no driver with OpenGL 4.3 answers without a window"},
-             {no_vulkan, "--device vulkan", "vulkan: no driver answers"},
+             {no_gl, "--device opengl", "opengl: no driver with OpenGL 4.3 works without a window"},
+             {no_mesa, "--device opengl", "opengl: no driver with OpenGL 4.3 works without a window"},
+             {no_vulkan, "--device vulkan", "vulkan: no driver works"},
              {no_gl + no_vulkan, "", "no driver can run shaders here"},
              {no_gl + no_vulkan, "--device all", "no driver can run shaders here"},
              {"PATH=/nonexistent ", "--device vulkan", "glslangValidator is missing"},
@@ -74,7 +74,7 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
     const Scratch folder;
     const Outcome devices = run("devices", folder.path(), no_gl + no_vulkan);
     CHECK(devices.code == 3);
-    CHECK(has(devices.out, "opengl\n  not here: no driver with OpenGL 4.3 answers"));
+    CHECK(has(devices.out, "opengl\n  not here: no driver with OpenGL 4.3 works"));
     const Outcome list = must("list devices", folder.path(), no_gl + no_vulkan);
     CHECK(has(list.err, "no driver can run shaders here; `lostbits devices` says"));
     // All but shaders works.

@@ -73,10 +73,10 @@ TEST_CASE("hlsl: what does not run is told with the user's line, or in a sentenc
     };
     for (const Fault& fault : std::initializer_list<Fault>{
              {head + "return ro.x + nope;\n}\n", "", "mine.hlsl:2:19: 'nope' : unknown variable", 2},
-             {"float speed;\n" + head + "return speed;\n}\n", "", "nobody sets here: write `static const`", 2},
-             {"cbuffer Frame { float time; };\n" + head + "return time;\n}\n", "", "is read, which nobody sets", 2},
+             {"float speed;\n" + head + "return speed;\n}\n", "", "nothing sets it here; declare it `static const`", 2},
+             {"cbuffer Frame { float time; };\n" + head + "return time;\n}\n", "", "is read, but nothing sets it", 2},
              {head + "return 1;\n}\n", ":format=f64", "HLSL is measured in floats", 2},
-             {head + "return 1;\n}\n", " --device opengl", "opengl: takes GLSL alone; --device vulkan takes HLSL",
+             {head + "return 1;\n}\n", " --device opengl", "opengl: takes only GLSL; --device vulkan takes HLSL too",
               3}}) {
         const Scratch folder;
         const Outcome o =

@@ -76,8 +76,8 @@ TEST_CASE("shader text: the errors of each compiler have the user's places", "[s
     CHECK(errors_of("0:1(1): warning: old\n0:3(9): error: a\n0:2(1): error: b\n", shader) ==
           "a.glsl:3:12: a\na.glsl:2:1: b");
     CHECK(has(errors_of("0:1000020(3): error: no function with name 'f'\n", shader),
-              "a.glsl:2:7: the call of `f` is not accepted"));
-    CHECK(has(errors_of("out of memory\n", shader), "a.glsl:1:1: the compiler of the driver refuses it"));
+              "a.glsl:2:7: the call of `f` is rejected"));
+    CHECK(has(errors_of("out of memory\n", shader), "a.glsl:1:1: the driver's compiler rejects it"));
     CHECK(has(errors_of("", shader), "does not say why"));
     CHECK(has(errors_of("0:3(1): error: \x1b[2Jx\n", shader), "\\x1b[2Jx"));
 }

@@ -157,24 +157,26 @@ float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
 
 TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     const std::string f = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
-    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f), "mine.glsl:2:6: roots is \"some\"; it is one of both"));
+    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f),
+              "mine.glsl:2:6: roots is \"some\"; it must be one of both"));
     CHECK(has(refused("/* a\nlostbits: colour=red */" + f), "mine.glsl:2:1: unknown key \"colour\""));
-    CHECK(has(refused(f, ":g"), "there is no function \"g\""));
-    CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it is negative"));
+    CHECK(has(refused(f, ":g"), "no function \"g\" in "));
+    CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it must be negative"));
     CHECK(has(refused(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"), "several functions have the types"));
-    CHECK(has(refused("// nothing\n"), "mine.glsl: there is no function in it; write one, such as float f(vec3 ro"));
+    CHECK(has(refused("// nothing\n"), "mine.glsl: contains no function; write one, such as float f(vec3 ro"));
     CHECK(has(refused("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
-    CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"), "mine.glsl:1:7: `float g(vec2 p)` has not the types"));
+    CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"),
+              "mine.glsl:1:7: `float g(vec2 p)` does not have the types"));
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
-    CHECK(
-        has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
-    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is about an interval, and needs both roots"));
-    const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, and `float ";
-    CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` is not told where rays begin and end; give it"));
-    CHECK(
-        has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range), "is not told where rays"));
-    CHECK(
-        has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range), "is not told where rays"));
+    CHECK(has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"),
+              "hit_eps is \"-1\"; it must be a number"));
+    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
+    const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, but `float ";
+    CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` does not take where rays begin and end; add"));
+    CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range),
+              "does not take where rays"));
+    CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range),
+              "does not take where rays"));
     CHECK(has(refused("float map(vec3 p, float tmin, float tmax) { return 1.0; }", range), "` is a field: the loop"));
     CHECK_THROWS_AS(read_shader("no-such-file.glsl"), InputError);
     CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);

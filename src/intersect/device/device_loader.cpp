@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where the modules lie: beside the program as built, or where it is installed.
+/// Path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, beside the program as built, or in the installed
+/// `lib/lostbits`. EnvironmentError if it is in none of them.
 fs::path module_of(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;
@@ -39,7 +40,7 @@ std::unique_ptr<Device> open_device(std::string_view kind) {
             "; install its libraries (Debian: " + (kind == "opengl" ? "libegl1 libopengl0" : "libvulkan1") + ")");
     };
     const process::KeepsFloatingPoint same;
-    // Never closed: drivers start threads and register exit handlers.
+    // The module is never closed: drivers start threads and register exit handlers.
     void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) throw fail(::dlerror());
     const auto* const build = static_cast<const int*>(::dlsym(handle, "lostbits_device_build"));

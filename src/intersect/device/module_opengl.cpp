@@ -1,5 +1,5 @@
-// The module of OpenGL: compute programs by EGL without a window, on whatever driver is installed. Built as
-// `lostbits_opengl`, loaded at run time.
+// The OpenGL module: runs compute programs through EGL without a window, on the installed driver. It is built as
+// `lostbits_opengl` and loaded at run time.
 #define EGL_NO_X11
 #define GL_GLEXT_PROTOTYPES
 #include <EGL/egl.h>
@@ -19,7 +19,8 @@ namespace {
 
 [[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("opengl: " + what); }
 
-/// The displays that need no window: of Mesa's surfaceless platform, of each device, and the default one.
+/// The displays that need no window, in the order in which they are tried: one for each device, Mesa's surfaceless
+/// platform, the default display.
 std::vector<std::function<EGLDisplay()>> displays() {
     std::vector<std::function<EGLDisplay()>> all;
     const char* const known = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -44,11 +45,12 @@ std::vector<std::function<EGLDisplay()>> displays() {
     return all;
 }
 
-/// Versions 4.x, each with notice of a lost device where the driver gives that.
+/// Minor versions of OpenGL 4 in the order in which they are tried, each first with notification of a lost device, then
+/// without.
 constexpr std::array<std::pair<EGLint, bool>, 8> contexts{
     {{6, true}, {6, false}, {5, true}, {5, false}, {4, true}, {4, false}, {3, true}, {3, false}}};
 
-/// Makes a context that computes current; false where this display has none.
+/// Makes a context that can run compute programs current. False if the display has none.
 bool make_current(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
@@ -96,16 +98,15 @@ public:
         const auto works = [](const auto& display) { return make_current(display()); };
         if (std::ranges::none_of(all, works))
             lacking(
-                "no driver with OpenGL 4.3 answers without a window; install one (Debian: libegl-mesa0 "
-                "libgl1-mesa-dri, "
-                "which compute on the processor)");
+                "no driver with OpenGL 4.3 works without a window; install one (Debian: libegl-mesa0 "
+                "libgl1-mesa-dri, which compute on the processor)");
         words_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
         GLint bytes = 0, groups = 0;
         glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
         glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
         limits_ = {.buffer_bytes = static_cast<std::size_t>(std::max(bytes, 1 << 20)),
                    .groups = static_cast<std::size_t>(std::max(groups, 1)),
-                   .doubles = true,  // of OpenGL 4.0
+                   .doubles = true,  // part of OpenGL since 4.0
                    .glsl = 430};
     }
 
@@ -113,7 +114,8 @@ public:
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& glsl, Language language) override {
-        if (language != Language::glsl) throw EnvironmentError("opengl: takes GLSL alone; --device vulkan takes HLSL");
+        if (language != Language::glsl)
+            throw EnvironmentError("opengl: takes only GLSL; --device vulkan takes HLSL too");
         const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
         const char* const text = glsl.c_str();
         glShaderSource(shader, 1, &text, nullptr);
@@ -154,7 +156,7 @@ public:
         if (const GLenum error = glGetError(); error != GL_NO_ERROR)
             lacking(error == GL_OUT_OF_MEMORY
                         ? std::string("the device has no memory left")
-                        : "the device is lost (error " + std::to_string(error) + "); does the shader run for long?");
+                        : "the device is lost (error " + std::to_string(error) + "); does the shader run too long?");
     }
 
 private:

@@ -1,5 +1,5 @@
-// The module of Vulkan: compute programs on the first device that a loader names, GLSL made SPIR-V by glslang. Built as
-// `lostbits_vulkan`, loaded at run time.
+// The Vulkan module: runs compute programs, which glslang compiles to SPIR-V. It is built as `lostbits_vulkan` and
+// loaded at run time.
 #include <vulkan/vulkan.h>
 
 #include <array>
@@ -16,13 +16,13 @@ namespace {
 
 void require(VkResult result, const char* what) {
     if (result == VK_SUCCESS) return;
-    if (result == VK_ERROR_DEVICE_LOST) lacking("the device is lost; does the shader run for long?");
+    if (result == VK_ERROR_DEVICE_LOST) lacking("the device is lost; does the shader run too long?");
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         lacking("the device has no memory left");
     lacking(std::string("cannot ") + what + " (error " + std::to_string(result) + ")");
 }
 
-/// A list that Vulkan hands over in two calls.
+/// Reads a list that Vulkan returns in two calls: the count, then the entries.
 template <class T, class Ask>
 std::vector<T> listed(const Ask& ask) {
     std::uint32_t count = 0;
@@ -46,16 +46,17 @@ VkInstance make_instance() {
     info.pApplicationInfo = &program;
     VkInstance instance = VK_NULL_HANDLE;
     if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS)
-        lacking("no driver answers; install one (Debian: mesa-vulkan-drivers, which also computes on the processor)");
+        lacking("no driver works; install one (Debian: mesa-vulkan-drivers, which also computes on the processor)");
     return instance;
 }
 
-/// A device with a queue that computes; a graphics card before a processor.
+/// A device, and the family of its first queue that can run compute programs.
 struct Found {
     VkPhysicalDevice device = VK_NULL_HANDLE;
     std::uint32_t queue_family = 0;
 };
 
+/// The first device with such a queue that is not a processor; if there is none, the first processor.
 Found find_device(VkInstance instance) {
     const auto devices =
         listed<VkPhysicalDevice>([&](auto* count, auto* into) { vkEnumeratePhysicalDevices(instance, count, into); });
@@ -80,12 +81,12 @@ Found find_device(VkInstance instance) {
     }
     if (!best)
         lacking(
-            "there is no device that computes; install a driver (Debian: mesa-vulkan-drivers, which also computes "
+            "no device can run compute programs; install a driver (Debian: mesa-vulkan-drivers, which also computes "
             "on the processor)");
     return *best;
 }
 
-/// Memory that both sides see, as large as the largest so far.
+/// A buffer that the device and the processor share. It grows to the largest size that was needed so far.
 class HostBuffer {
 public:
     HostBuffer() = default;
@@ -103,7 +104,7 @@ public:
         info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
         info.size = bytes;
         info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-        require(vkCreateBuffer(device, &info, nullptr, &buffer_), "make a buffer");
+        require(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
         VkMemoryRequirements needs;
         vkGetBufferMemoryRequirements(device, buffer_, &needs);
         VkMemoryAllocateInfo room{};
@@ -115,10 +116,11 @@ public:
                ((needs.memoryTypeBits >> room.memoryTypeIndex & 1U) == 0 ||
                 (kinds.memoryTypes[room.memoryTypeIndex].propertyFlags & wanted) != wanted))
             ++room.memoryTypeIndex;
-        if (room.memoryTypeIndex == kinds.memoryTypeCount) lacking("the device has no memory that the processor sees");
-        require(vkAllocateMemory(device, &room, nullptr, &memory_), "take memory");
-        require(vkBindBufferMemory(device, buffer_, memory_, 0), "use memory");
-        require(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "see memory");
+        if (room.memoryTypeIndex == kinds.memoryTypeCount)
+            lacking("the device has no memory that the processor can access");
+        require(vkAllocateMemory(device, &room, nullptr, &memory_), "allocate memory");
+        require(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
+        require(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
         size_ = bytes;
     }
     [[nodiscard]] void* mapped() const { return mapped_; }
@@ -142,7 +144,7 @@ private:
     VkPipeline pipeline_;
 };
 
-/// Lives until the process ends, and its handles with it.
+/// Lives until the process ends. So do its handles, which are never destroyed.
 class VkComputer : public Device {
 public:
     VkComputer() : instance_(make_instance()), found_(find_device(instance_)) {
@@ -275,23 +277,23 @@ private:
         pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
         pool.queueFamilyIndex = found_.queue_family;
         VkCommandPool made = VK_NULL_HANDLE;
-        require(vkCreateCommandPool(device_, &pool, nullptr, &made), "make commands");
+        require(vkCreateCommandPool(device_, &pool, nullptr, &made), "create commands");
         VkCommandBufferAllocateInfo one{};
         one.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
         one.commandPool = made;
         one.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
         one.commandBufferCount = 1;
-        require(vkAllocateCommandBuffers(device_, &one, &commands_), "make commands");
+        require(vkAllocateCommandBuffers(device_, &one, &commands_), "create commands");
         VkFenceCreateInfo fence{};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        require(vkCreateFence(device_, &fence, nullptr, &done_), "make commands");
+        require(vkCreateFence(device_, &fence, nullptr, &done_), "create commands");
     }
 
-    /// Runs the program and waits; who asked has a time limit.
+    /// Runs the program and waits for its end without a limit. The process that asked has a time limit.
     void submit(VkPipeline pipeline, std::uint32_t groups) {
         VkCommandBufferBeginInfo begin{};
         begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-        require(vkBeginCommandBuffer(commands_, &begin), "make commands");
+        require(vkBeginCommandBuffer(commands_, &begin), "create commands");
         vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
         vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);
         vkCmdDispatch(commands_, groups, 1, 1);
@@ -301,7 +303,7 @@ private:
         seen.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
         vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &seen,
                              0, nullptr, 0, nullptr);
-        require(vkEndCommandBuffer(commands_), "make commands");
+        require(vkEndCommandBuffer(commands_), "create commands");
         VkSubmitInfo work{};
         work.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
         work.commandBufferCount = 1;

@@ -21,12 +21,13 @@ extern char** environ;
 namespace lostbits::intersect::device {
 namespace {
 
-/// A file in memory, which ends with the process however that ends: one in a folder would stay where this is killed.
+/// A file in memory. It disappears with the process however that ends; a file in a folder would stay if the process
+/// were killed.
 class MemoryFile {
 public:
     explicit MemoryFile(std::string_view text = {}) {
         const int made = memfd_create("lostbits-shader", MFD_CLOEXEC);
-        // Above the numbers that the compiler gets it by.
+        // Above 3 and 4, the numbers under which the compiler inherits its files.
         number = made < 0 ? -1 : fcntl(made, F_DUPFD_CLOEXEC, 16);
         if (made >= 0) close(made);
         while (number >= 0 && !text.empty()) {
@@ -35,7 +36,7 @@ public:
             text.remove_prefix(static_cast<std::size_t>(written));
         }
         if (number < 0 || !text.empty())
-            throw EnvironmentError(std::string("vulkan: a file in memory cannot be made: ") + std::strerror(errno));
+            throw EnvironmentError(std::string("vulkan: cannot make a file in memory: ") + std::strerror(errno));
     }
     ~MemoryFile() { close(number); }
     MemoryFile(const MemoryFile&) = delete;
@@ -52,7 +53,7 @@ public:
     int number = -1;
 };
 
-/// The status of glslang, as waitpid tells it; -1 where neither of its names is one of a program.
+/// Runs glslang and returns its status as waitpid gives it; -1 if it is not installed under either of its names.
 int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const MemoryFile& log, Language language) {
     constexpr int from = 3, to = 4;
     const std::string in = "/proc/self/fd/" + std::to_string(from), out = "/proc/self/fd/" + std::to_string(to);
@@ -80,11 +81,12 @@ int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const Memory
     return -1;
 }
 
-/// A constant buffer, a texture or a variable that only a host could set: it has no memory here. Ours begin with lb_.
+/// Throws CompileError if the code has a constant buffer, a texture or a variable that only a host program could set:
+/// it has no memory here. The names of our own buffers begin with lb_.
 void refuse_foreign_resources(const std::vector<std::uint32_t>& code) {
     constexpr std::uint32_t op_name = 5, op_variable = 59, uniform_constant = 0, uniform = 2;
     std::map<std::uint32_t, std::string> names;
-    for (std::size_t at = 5; at < code.size() && code[at] >> 16U != 0; at += code[at] >> 16U) {  // behind 5 of header
+    for (std::size_t at = 5; at < code.size() && code[at] >> 16U != 0; at += code[at] >> 16U) {  // header: 5 words
         const std::uint32_t op = code[at] & 0xffffU, words = code[at] >> 16U;
         if (at + words > code.size()) return;
         if (op == op_name && words > 2)
@@ -93,7 +95,7 @@ void refuse_foreign_resources(const std::vector<std::uint32_t>& code) {
         if (op != op_variable || words < 4 || (code[at + 3] != uniform_constant && code[at + 3] != uniform)) continue;
         if (const std::string& name = names[code[at + 2]]; !name.starts_with("lb_"))
             throw CompileError((name.empty() ? "a variable outside of functions" : name) +
-                               " is read, which nobody sets here: write `static const` and its value");
+                               " is read, but nothing sets it here; declare it `static const` with its value");
     }
 }
 
@@ -104,7 +106,8 @@ std::vector<std::uint32_t> spirv_of(const std::string& text, Language language) 
     const int status = run_glslang(program, spirv, log, language);
     if (status == -1)
         throw EnvironmentError(
-            "vulkan: glslangValidator is missing (Debian: glslang-tools); it makes SPIR-V of shaders");
+            "vulkan: glslangValidator is missing, which compiles shaders to SPIR-V; install it (Debian: "
+            "glslang-tools)");
     if (status != 0) throw CompileError(log.bytes());
     const std::string bytes = spirv.bytes();
     std::vector<std::uint32_t> code(bytes.size() / sizeof(std::uint32_t));

@@ -13,13 +13,14 @@
 namespace lostbits::intersect::device {
 namespace {
 
-/// Numbers that are tried, and what the device made of them.
+/// Number of inputs, each of six numbers.
 constexpr std::size_t elements = 1 << 14;
 
 template <class S>
 using Six = std::array<S, 6>;
 
-/// The first are chosen, the others random: every significand, exponents from -16 to 16, both signs.
+/// The inputs. The first `chosen` are fixed; the others have random significands, exponents from -16 to 16 and both
+/// signs.
 template <class S>
 std::vector<Six<S>> numbers_to_try() {
     constexpr S least = std::numeric_limits<S>::min(), tiny = std::numeric_limits<S>::denorm_min();
@@ -129,8 +130,9 @@ private:
         return std::sqrt(square(n[0]) + square(n[1]) + square(n[2]));
     }
 
-    /// `correctly rounded`, or the largest error in units of the last place of the true value. Where `right` is given
-    /// it is the rounded value; else the true one is rounded, which for sums in long double may round twice.
+    /// `correctly rounded`, or the largest error in units of the last place of the true value. `right` gives the
+    /// correctly rounded value. Without it the true value, computed in long double, is rounded, which may round twice;
+    /// only a sum is computed in S directly.
     [[nodiscard]] std::string rounding(Probed what, const std::function<long double(const Six<S>&)>& exact,
                                        const std::function<S(const Six<S>&)>& right = {}) const {
         std::size_t wrong = 0;
@@ -152,7 +154,7 @@ private:
         return text.data();
     }
 
-    /// In how many of all the answer is what these operations give one by one.
+    /// Fraction of the random inputs for which the device returns what these operations give, each rounded by itself.
     [[nodiscard]] double share(Probed what, const std::function<S(const Six<S>&)>& as_written) const {
         std::size_t same = 0;
         for (std::size_t i = chosen; i < elements; ++i) same += told(i, what) == as_written(given_[i]);
@@ -194,7 +196,7 @@ private:
     std::vector<std::array<S, probed_count>> told_;
 };
 
-/// How far a loop gets that should go to `count`, `times` over.
+/// The count that a loop to `count` reaches; if `nested`, `times` such loops in a loop.
 std::uint32_t counted(Device& device, bool nested, std::uint32_t count, std::uint32_t times) {
     std::array<std::uint32_t, 3> given{count, 1, times};
     std::array<std::uint32_t, 2> told{0, 0};
@@ -205,7 +207,8 @@ std::uint32_t counted(Device& device, bool nested, std::uint32_t count, std::uin
     return told[0];
 }
 
-/// The one state that is not counted comes at most once in 2^32.
+/// Finds the number of iterations after which the device leaves a loop. The program does not count one of the 2^32
+/// states of its generator, so a count that is one short is complete.
 void probe_loops(Device& device, Arithmetic& all) {
     constexpr std::uint32_t tried = 1U << 20, times = 4;
     const std::uint32_t one = counted(device, false, tried, 1);
@@ -214,7 +217,7 @@ void probe_loops(Device& device, Arithmetic& all) {
         return;
     }
     all.loop_limit = one;
-    // A budget of all loops runs out in the second of these.
+    // If all loops share one budget, it runs out in the second of these.
     const std::uint32_t each = one / 8 * 5;
     all.loops_together = counted(device, true, each, times) + 1 < each * times;
     all.facts.push_back({"loops end after", std::to_string(one) + " iterations, silently" +
@@ -224,8 +227,8 @@ void probe_loops(Device& device, Arithmetic& all) {
 }  // namespace
 
 const std::string_view probed_set =
-    "16379 times six numbers, random significands, exponents from -16 to 16, both signs; and five for subnormals, "
-    "infinities and NaN";
+    "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
+    "subnormals, infinities and NaN";
 
 std::string Arithmetic::value_of(std::string_view key) const {
     const auto found = std::ranges::find(facts, key, &Fact::key);

@@ -11,15 +11,15 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-/// "sphere., box. and sdf."
+/// "sphere., box. or sdf."
 std::string shipped_rooms() {
     std::string words;
     for (const std::string_view& name : shape_names)
-        words += (words.empty() ? "" : &name == &shape_names.back() ? " and " : ", ") + std::string(name) + '.';
+        words += (words.empty() ? "" : &name == &shape_names.back() ? " or " : ", ") + std::string(name) + '.';
     return words;
 }
 
-/// One value of `lb_form`, which must be one of the first `count`.
+/// Converts a field of `lb_form` to its enumeration. InputError unless 0 <= number < count.
 template <class Value>
 Value word(int number, int count, const char* field, const std::string& from) {
     if (number >= 0 && number < count) return static_cast<Value>(number);
@@ -29,7 +29,8 @@ Value word(int number, int count, const char* field, const std::string& from) {
 
 std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
 
-/// What names a folder and a column: nothing that a shell, a file system or a table would read otherwise.
+/// True if the name is safe as part of a folder, a column and a shell command: ASCII letters, digits and . _ - alone,
+/// at most 64, a letter first, no dot at the end and no two dots in a row.
 bool is_plain(const std::string& name) {
     const auto plain = [](char c) {
         return (std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128) || c == '.' ||
@@ -39,38 +40,42 @@ bool is_plain(const std::string& name) {
            name.back() != '.' && name.find("..") == std::string::npos && std::ranges::all_of(name, plain);
 }
 
-/// A line of words for tables and captions: nothing that a terminal would obey.
+/// Requires one line of text without control characters, as tables and captions show it on a terminal.
 void require_line(const std::string& text, const char* field, const std::string& from) {
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
     if (text.size() <= 400 && std::ranges::none_of(text, control)) return;
     throw InputError(from + ": " + field + " must be one line of at most 400 bytes without control characters");
 }
 
-/// What the roots that a form tells have to do with its other words.
+/// Requires that the other properties of a contract agree with the roots that the form yields.
 void require_roots(const Contract& c, const std::string& from) {
     const bool both = c.roots == Roots::both, near = c.roots == Roots::near_only;
     if ((c.flags & LB_LINE) != 0 && !both && !near)
         throw InputError(from +
-                         ": answers for the whole line need both roots, or the near one: of these the first ahead is "
-                         "taken");
+                         ": line needs roots = both or near: lostbits takes the first of these roots that lies ahead; "
+                         "set roots, or leave line out");
     if ((c.flags & LB_CLIPPED) != 0 && !both)
-        throw InputError(from + ": clipped is about an interval, and needs both roots");
+        throw InputError(from + ": clipped describes an interval, so it needs roots = both");
     const bool exits = !zero_inside(c.shape) || c.inside == Inside::exit;
     if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
         throw InputError(from +
-                         ": a near root that is clipped to 0 cannot tell a surface at the origin from one behind it; "
-                         "say at_origin = exit as well, or miss");
+                         ": with near clipped to 0, a surface at the origin looks the same as one behind it; set "
+                         "at_origin = exit or miss");
     if ((c.flags & LB_RANGE) != 0 && (both || near))
-        throw InputError(from +
-                         ": range is for a form that tells the first root in the range (roots = first) or yes and no; "
-                         "of near and far the first in the range is taken afterwards");
+        throw InputError(
+            from +
+            ": range needs roots = first or none: the form itself answers within the range; leave range out, "
+            "and lostbits takes the first of near and far that lies in the range");
     if ((c.flags & LB_RANGE) != 0 && (c.flags & LB_NO_END) != 0)
         throw InputError(from +
-                         ": says range and no_end; a form that looks at where rays begin looks at their ends too");
-    if (c.inside == Inside::near && !near)
-        throw InputError(from + ": inside = near is for a form of the near root alone (roots = near)");
+                         ": range and no_end contradict each other: with range, the form takes the end of the ray into "
+                         "account; leave one of them out");
+    if (c.inside == Inside::near && !near) throw InputError(from + ": inside = near needs roots = near");
     if (c.inside == Inside::exit && near)
-        throw InputError(from + ": a form that answers the exit from inside tells the first root (roots = first)");
+        throw InputError(
+            from +
+            ": inside = exit contradicts roots = near: from inside the near root lies behind the origin; set "
+            "roots = first");
 }
 
 }  // namespace
@@ -80,7 +85,7 @@ void require_front(Facing facing, Shape shape, const std::string& from) {
     std::string flat;
     for (const ShapeRow& row : shape_rows)
         if (row.flat) flat += (flat.empty() ? "" : ", ") + std::string(row.plural);
-    throw InputError(from + ": facing is for what has a front and a back (" + flat + "); leave it out of " +
+    throw InputError(from + ": facing is only for shapes with a front and a back (" + flat + "); leave it out for " +
                      with_article(shape));
 }
 
@@ -98,32 +103,34 @@ Contract contract_of(const lb_form& form, const std::string& library) {
     c.facing =
         word<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", from);
     c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
-    if (form.run == nullptr) throw InputError(from + ": run is NULL; it is the function that answers a batch");
+    if (form.run == nullptr) throw InputError(from + ": run is NULL; set it to the function that answers a batch");
     require_sense(c, library);
     return c;
 }
 
 void require_sense(const Contract& c, const std::string& library) {
     if (!is_plain(c.name))
-        throw InputError(library +
-                         ": a form's name must begin with a letter and be of letters, digits and . _ -, at "
-                         "most 64 of them: it names columns, folders and pictures");
+        throw InputError(
+            library +
+            ": a form's name must begin with a letter and consist of at most 64 letters, digits and . _ -, "
+            "without two dots in a row or a dot at the end: columns, folders and pictures are named after "
+            "it");
     const std::string from = library + ": form \"" + c.name + "\"";
     const std::size_t dot = c.name.find('.');
     if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
-        throw InputError(from + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; " + shipped_rooms() +
-                         " begin the names of the forms that ship with lostbits");
+        throw InputError(from + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
+                         shipped_rooms() + " belong to the forms that ship with lostbits");
     require_line(c.title, "title", from);
     require_line(c.source, "source", from);
     if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
         throw InputError(from +
-                         ": state has a word that is unknown; leave it out where the processor computes as usual");
+                         ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
     if (c.bits != 32 && c.bits != 64)
         throw InputError(from + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
     constexpr unsigned known = LB_LINE | LB_NO_END | LB_ONE_THREAD | LB_CLIPPED | LB_RANGE;
     if ((c.flags & ~known) != 0)
         throw InputError(from +
-                         ": flags has bits that this version does not know; rebuild it with this version's "
+                         ": flags has bits that this version does not know; rebuild the library with this version's "
                          "lostbits_plugin.h");
     require_roots(c, from);
     require_front(c.facing, c.shape, from);
@@ -146,7 +153,7 @@ Info info_of(const Contract& c) {
 }
 
 Inside inside_of(const Contract& c) {
-    const bool is_zero = zero_inside(c.shape);  // without a word
+    const bool is_zero = zero_inside(c.shape);  // if the contract does not say
     if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;
     return c.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : c.inside;
 }

@@ -1,4 +1,4 @@
-// Forms from outside as rows of the table.
+// Adds external forms to the table as rows.
 #include <algorithm>
 #include <deque>
 #include <memory>
@@ -38,15 +38,15 @@ void ForeignRow::put(ForeignForm form) {
     if (place)
         throw InputError(form.from + ": " + form.contract.name + " comes twice in binary" +
                          std::to_string(form.contract.bits) + ", the first time from " + place->form().from +
-                         "; give each form a name of its own, or name the library: --plugin new=" + form.from +
-                         " calls its forms new." + form.contract.name);
+                         "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
+                         form.from + " calls this form new." + form.contract.name);
     if (other) {
         Contract same = other->form().contract;
         same.bits = form.contract.bits;
         same.title = form.contract.title, same.source = form.contract.source, same.flags = form.contract.flags;
         if (same != form.contract)
             throw InputError(form.from + ": " + form.contract.name +
-                             " promises one thing in binary32 and another in binary64; give the two different names");
+                             " has different contracts in binary32 and binary64; give the two forms different names");
     }
     place = std::make_unique<ForeignBatch>(std::move(form));
 }
@@ -89,7 +89,7 @@ std::vector<const ForeignForm*> behind(const table::Intersector& row) {
 bool is_harmless(const table::Intersector& row) {
     const auto own = table::catalogue();
     if (&row >= own.data() && &row < own.data() + own.size()) return true;
-    const auto forms = behind(row);  // none for a formula of a library, which runs here
+    const auto forms = behind(row);  // empty for a formula of a library, which runs in this process
     return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
 }
 

@@ -13,7 +13,8 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-/// What no form answers: a NaN of this payload stands where nothing was written.
+/// The NaN with this payload fills the answer buffers before a call. No form answers it, so where it remains nothing
+/// was written.
 template <class S>
 using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
 template <class S>
@@ -21,7 +22,7 @@ constexpr Bits<S> unwritten = sizeof(S) == 4 ? static_cast<Bits<S>>(0x7FCAFE15U)
                                              : static_cast<Bits<S>>(0x7FFCAFE15BAD5EEDULL);
 constexpr std::uint8_t neither = 0xEE;
 
-/// The columns of a batch ray by ray, with room for the answers. Kept by the thread.
+/// The columns of a batch, interleaved ray by ray, and buffers for the answers. Each thread keeps one.
 template <class S>
 struct Interleaved {
     std::vector<S> rays, near_far, solids, starts, ends;
@@ -48,7 +49,7 @@ struct Interleaved {
     }
 };
 
-/// Where each ray begins and ends, both included.
+/// Appends the closed range of each ray: where it begins and where it ends.
 template <class S>
 void tell_ranges(const table::RayBatch<S>& rays, std::vector<S>& starts, std::vector<S>& ends) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -132,14 +133,14 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
     };
     for (std::size_t i = 0; i < n; ++i) {
         const std::uint8_t said = room.hit[i];
-        if (said == neither) fail(i, "did not write `hit`; it is 1 or 0 for every ray");
-        if (said > 1) fail(i, "wrote " + std::to_string(said) + " to `hit`; it is 1 or 0");
+        if (said == neither) fail(i, "did not write `hit`; it must be 1 or 0 for every ray");
+        if (said > 1) fail(i, "wrote " + std::to_string(said) + " to `hit`; it must be 1 or 0");
         const S* const near_far = &room.near_far[2 * i];
         if (said == 1 && contract.roots != Roots::none &&
             (is_unwritten(near_far[0]) || (contract.roots == Roots::both && is_unwritten(near_far[1]))))
-            fail(i, contract.roots == Roots::both
-                        ? "says hit and did not write both of near and far; a form of one root says so in `roots`"
-                        : "says hit and did not write t");
+            fail(i, contract.roots == Roots::both ? "reported a hit but did not write both near and far; if it yields "
+                                                    "one root, set `roots` accordingly"
+                                                  : "reported a hit but did not write t");
         const S end = ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
         const Hit<S> hit = hit_of(contract, said, near_far, end);
         hits.hit[i] = hit.hit;

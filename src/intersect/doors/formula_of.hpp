@@ -35,11 +35,11 @@ struct Told<Form, function, R (*)(A...)> {
             return function(arguments...);
         } catch (const std::exception& thrown) {
             throw EnvironmentError(std::string(name_for_messages<Form>) + ": threw an exception: " + thrown.what() +
-                                   "; a form answers every ray, with a miss or a NaN where it knows no better");
+                                   "; a form must answer every ray, with a miss or a NaN if it has no better answer");
         } catch (...) {
             throw EnvironmentError(std::string(name_for_messages<Form>) +
-                                   ": threw something that is not an exception of std; a form answers every ray, with "
-                                   "a miss or a NaN where it knows no better");
+                                   ": threw something that is not a std::exception; a form must answer every ray, with "
+                                   "a miss or a NaN if it has no better answer");
         }
     }
 };

@@ -13,7 +13,7 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-/// A formula may call another.
+/// One entry for each running formula of this thread: a formula may call another.
 thread_local std::deque<InForeignCode> inside_formulas;
 
 constexpr FormulaWatch name_of_running{[](const char* who) { inside_formulas.emplace_back(who); },
@@ -41,28 +41,27 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const Library loaded = load_library(library);
     const auto ask = entry_of<AskForFormulas>(loaded, "lostbits_formulas");
     if (ask == nullptr) return {};
-    // Formulas prove and record, too.
+    // Formulas also run in arithmetics that prove and record, which need the standard state.
     if (const std::string words = loaded.computes.words(); !words.empty())
         note_change(who, "changes, when it is loaded, how the processor computes (" + words +
-                             "); its formulas are evaluated as IEEE 754 asks all the same");
+                             "); its formulas are evaluated as IEEE 754 asks nevertheless");
     const FormulaList* const list = call_of(who, [&] {
         const LoadsForeignCode here(who);
         return ask(&name_of_running);
     });
     if (list == nullptr || list->build == nullptr)
-        throw InputError(from +
-                         ": lostbits_formulas gives no list; write LOSTBITS_FORMULAS(...) of lostbits_form.hpp, which "
-                         "defines it");
+        throw InputError(
+            from + ": lostbits_formulas returns no list; define it by LOSTBITS_FORMULAS(...) of lostbits_form.hpp");
     if (std::string_view(list->build) != build_words)
-        throw InputError(from + ": its forms were compiled with the headers of " + list->build + "; this program is " +
-                         build_words + "; compile it again with this program's headers");
+        throw InputError(from + ": its forms were compiled with the headers of " + list->build +
+                         ", but this program is " + build_words + "; compile it again with this program's headers");
     if (list->contracts)
         throw InputError(from +
-                         ": its forms were compiled so that a*b + c is rounded once, and their tapes say twice; "
+                         ": its forms were compiled so that a*b + c is rounded once, but their tapes round twice; "
                          "compile it with -ffp-contract=off, as lostbits_add_formulas does");
     if (list->all == nullptr || list->count == 0 || list->count > 4096)
-        throw InputError(from + ": says that it has " + std::to_string(list->count) +
-                         " forms; it must be from 1 to 4096");
+        throw InputError(from + ": states " + std::to_string(list->count) +
+                         " forms; the number must be from 1 to 4096");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_sense(stated_by(formula), from);

@@ -24,36 +24,37 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Read by signal handlers and by the thread that watches; kept for good.
+/// Read by signal handlers and by the watching thread, and therefore never freed.
 const GuardTerms usual_terms;
 std::atomic<const GuardTerms*> terms_now{&usual_terms};
 const GuardTerms& terms() { return *terms_now.load(); }
 
-/// What the watching thread sees of a call. More calls at once than places go unwatched.
+/// A running call as the watching thread sees it. If there are more calls at once than slots, the rest go unwatched.
 struct Slot {
     std::atomic<const char*> who{nullptr};
     std::atomic<Clock::rep> since{0};
 };
 std::array<Slot, 256> slots;
-/// Read by signal handlers: constant initialisation, so that no access of theirs is the first.
+/// Name of the foreign code that runs in this thread. Signal handlers read it, so it is initialised at compile
+/// time: a lazy initialisation could otherwise run inside a handler.
 constinit thread_local std::atomic<const char*> inside{nullptr};
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
-/// The probe that asks, whichever thread does; null where none does.
+/// Name of the running probe, whichever thread runs it; null if none runs.
 std::atomic<const char*> probe{nullptr};
 
-/// What libraries do to how the processor computes, by who does.
+/// Changes of the processor's state, by the library or form that makes them.
 struct Notes {
     std::mutex lock;
     std::map<std::string, std::string> all;
 };
-/// Kept for good: what runs when the program ends may add to it.
+/// Never destroyed: exit handlers may add to it.
 Notes& notes() {
     static auto* const kept = new Notes;
     return *kept;
 }
 
-/// With write(2) alone: a signal handler may not allocate.
+/// Prints a message by write(2) alone, since a signal handler may not allocate.
 void say(const char* who, const char* what, const char* remedy) {
     const char* const asked = probe.load();
     for (const char* part : {"lostbits: ", who, asked ? ", in the probe \"" : "", asked ? asked : "", asked ? "\"" : "",
@@ -62,7 +63,7 @@ void say(const char* who, const char* what, const char* remedy) {
     }
 }
 
-/// A copy of the process that foreign code made has no files of its own.
+/// Removes unfinished files. A copy of the process (fork) that foreign code made leaves them: they are not its own.
 void clean_up() {
     if (terms().clean_up && !process::is_a_copy()) terms().clean_up();
 }
@@ -78,15 +79,15 @@ void clean_up() {
     leave(Exit::environment);
 }
 
-constexpr const char* try_child = "try --isolate, which runs it in a process of its own, or a debugger";
+constexpr const char* try_child = "try --isolate, which runs it in a separate process, or a debugger";
 
 const char* crash_of(int signal) {
     switch (signal) {
         case SIGSEGV: return "crashed: it read or wrote memory that is not its own (SIGSEGV), or used up its stack";
-        case SIGBUS: return "crashed: it read memory that is not there (SIGBUS)";
-        case SIGFPE: return "crashed: an integer division by zero, or it had floating-point exceptions trap (SIGFPE)";
-        case SIGILL: return "crashed: an instruction that this processor does not have (SIGILL)";
-        default: return "gave up: it called abort(), or an assertion failed there (SIGABRT)";
+        case SIGBUS: return "crashed: it accessed memory that does not exist (SIGBUS)";
+        case SIGFPE: return "crashed: it divided an integer by zero, or had enabled floating-point traps (SIGFPE)";
+        case SIGILL: return "crashed: it used an instruction that this processor does not have (SIGILL)";
+        default: return "gave up: it called abort(), or an assertion failed (SIGABRT)";
     }
 }
 
@@ -99,11 +100,12 @@ void on_crash(int signal) {
 
 void on_exit_inside() {
     if (const char* const who = inside.load())
-        end(who, "called exit()", "a form returns, with an error text where it cannot answer");
+        end(who, "called exit()", "a form must return, with an error text if it cannot answer");
 }
 
-/// So that a stack that is used up can still be told. Its end gives the thread back what it had: a signal would run on
-/// memory that is freed, and the address sanitizer frees what it finds there at the end of a thread.
+/// A separate stack for signal handlers, so that a stack overflow can still be reported. The destructor restores the
+/// thread's earlier signal stack for two reasons: a later signal would run on freed memory, and the address sanitizer
+/// frees the signal stack that it finds at the end of a thread.
 class SignalStack {
 public:
     SignalStack() : memory_(std::make_unique<char[]>(size)) {
@@ -124,17 +126,18 @@ private:
 
 void have_signal_stack() { thread_local const SignalStack here; }
 
-/// Names who it was as well as it can be known: somebody who is inside now.
+/// Restores lowered limits; ends the program if the system refuses. If `who` is null, the message names some code that
+/// runs now, which need not be the culprit.
 void put_back_limits(const char* who) {
     const char* const refused = process::put_back_limits();
     if (refused == nullptr) return;
     for (const Slot& slot : slots)
         if (who == nullptr) who = slot.who.load();
-    const std::string what = std::string("lowers a hard limit of the program, ") + refused;
+    const std::string what = std::string("lowered a hard limit of the program, ") + refused;
     end(who != nullptr ? who : "a library", what.c_str(), try_child);
 }
 
-/// After a call, where the last look is a while ago: what is printed next may go to a file.
+/// Restores limits after a call, at most every 50 ms: the next output may go to a file, whose size may be limited.
 void put_back_limits_at_times(const char* who) {
     static std::atomic<Clock::rep> looked{0};
     const auto now = Clock::now().time_since_epoch();
@@ -158,7 +161,8 @@ void put_back_limits_at_times(const char* who) {
                 leave(Exit::interrupted);
             }
             if (taken.count() > terms().seconds)
-                end(who, "has not answered a batch within the time limit", "raise --time-limit SECONDS, or mend it");
+                end(who, "has not answered a batch within the time limit",
+                    "raise --time-limit SECONDS, or check the code for an endless loop");
         }
     }
 }
@@ -184,14 +188,16 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& comp
 
 InForeignCode::~InForeignCode() {
     if (!process::put_back_own_state(who_))
-        end(who_, "closes descriptors that are the program's own", "close what you opened, each by its number");
+        end(who_, "closed descriptors that are the program's own",
+            "close only what it opened, each descriptor by its number");
     put_back_limits_at_times(who_);
     const auto left = process::FloatingPoint::current();
     before_.set();
     if (left != computes_)
         note_change(who_, "changes in a call how the processor computes (" +
-                              (left.words().empty() ? "back to the usual" : left.words()) +
-                              "), which is undone after each; call fegetenv before and fesetenv after");
+                              (left.words().empty() ? "back to the standard state" : left.words()) +
+                              "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
+                              "last");
     inside = outer_;
     if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
@@ -199,7 +205,7 @@ InForeignCode::~InForeignCode() {
 AsksInProbe::AsksInProbe(const char* name) { probe = name; }
 AsksInProbe::~AsksInProbe() {
     probe = nullptr;
-    put_back_limits(nullptr);  // nobody times a probe, and what is said of it may go to a file
+    put_back_limits(nullptr);  // every time, as probes are not timed: the report may go to a file
 }
 
 LoadsForeignCode::~LoadsForeignCode() {
@@ -207,7 +213,7 @@ LoadsForeignCode::~LoadsForeignCode() {
     process::put_back_after_loading();
     put_back_limits(foreign_code_here());
     uselocale(LC_GLOBAL_LOCALE);
-    std::locale::global(std::locale::classic());  // that of C, too
+    std::locale::global(std::locale::classic());  // sets the C locale, too
 }
 
 void note_change(const std::string& who, const std::string& what) {

@@ -28,7 +28,8 @@ std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
                          terms);
 }
 
-/// A shader's author has no say in how its process reads and writes.
+/// Advice for the author of the program. A process of this program needs none: the author of a shader has no say in how
+/// it reads and writes.
 std::string duty(const PipeTerms& terms) {
     return terms.ours ? "" : "it must read a whole batch, answer it and flush its output";
 }
@@ -38,7 +39,7 @@ std::span<std::byte> bytes_of(T& value) {
     return std::as_writable_bytes(std::span(&value, 1));
 }
 
-/// A process that answers, and the memory that it shares with this one where it is one of this program.
+/// A process that answers and, if it is one of this program, the memory that it shares with this process.
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
         : room(terms.ours ? std::make_unique<SharedRoom>() : nullptr),
@@ -56,7 +57,7 @@ struct Partner {
     std::vector<Contract> contracts;
 };
 
-/// The processes of one command: as many as ask at the same time.
+/// The processes of one command: one for each thread that asks at the same time, up to the limit of the terms.
 class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
@@ -74,7 +75,7 @@ public:
         std::unique_ptr<Partner> partner = take();
         try {
             ask(*partner);
-        } catch (...) {  // what it may still write belongs to no later question
+        } catch (...) {  // drops the process: what it may still write would be taken for a later answer
             const std::scoped_lock lock(mutex_);
             --running_;
             freed_.notify_one();
@@ -99,7 +100,7 @@ private:
         auto partner = std::make_unique<Partner>(command_, terms_);
         if (partner->contracts != contracts_)
             partner->child.fail(
-                "describes itself differently when it is started a second time; let it say the same, or add "
+                "sent a different header when it was started a second time; let it send the same header, or add "
                 "flags=one_thread");
         return partner;
     }
@@ -113,15 +114,17 @@ private:
     unsigned running_ = 0;
 };
 
-/// Asks, and reads all but the columns of the answer. Whether a process of this program says `changes_state`.
+/// Sends a request and reads the answer except its columns. Throws if the answer is an error. True if a process of this
+/// program reports `changes_state`.
 bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours) {
     PipeAnswer answer;
     child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
         const std::string got(reinterpret_cast<const char*>(&answer), sizeof answer);
-        child.fail("answered " + shown_text(got) +
-                   " where an answer begins with LBA1; whatever it prints must go to "
-                   "standard error, and every batch be answered once");
+        child.fail(
+            "answered " + shown_text(got) +
+            ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
+            "go to standard error");
     }
     const bool changed = ours && (answer.error & changes_state) != 0;
     if (changed) answer.error &= ~changes_state;
@@ -140,7 +143,7 @@ PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
     return request;
 }
 
-/// What a batch asks, column by column.
+/// The request columns of a batch, as bytes.
 std::array<std::span<const std::byte>, BatchColumn::asked> asked_by(const lb_batch& batch, const ColumnBytes& bytes) {
     const auto column = [&bytes](const void* from, std::size_t k) {
         return std::span(static_cast<const std::byte*>(from), bytes[k]);
@@ -167,9 +170,10 @@ void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& 
     const auto asked = asked_by(batch, bytes);
     for (std::size_t k = 0; k < asked.size(); ++k) std::ranges::copy(asked[k], data + at[k]);
     if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
-        note_change(who,
-                    "changes in a call how the processor computes, which is undone after each; call fegetenv "
-                    "before and fesetenv after");
+        note_change(
+            who,
+            "changes in a call how the processor computes; lostbits undoes that after each call; let the code call "
+            "fegetenv first and fesetenv last");
     std::memcpy(batch.near_far, data + at[BatchColumn::near_far], bytes[BatchColumn::near_far]);
     std::memcpy(batch.hit, data + at[BatchColumn::hit], bytes[BatchColumn::hit]);
 }

@@ -12,20 +12,20 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-/// The words of one key, in the order of the values that they stand for.
+/// The texts that one key allows, in the order of the values that they stand for.
 using Words = std::span<const std::string_view>;
 
-constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // of solids
+constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // without sdf
 constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
 constexpr Words at_origins = at_origin_names, insides = inside_names, facings = facing_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
 constexpr std::array<std::string_view, 5> flags{"line", "no_end", "one_thread", "clipped", "range"};
 constexpr std::array<unsigned, 5> flag_bits{LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE};
 
-/// One key of a form: what it may say, and how the contract holds it.
+/// One key of a form: the texts that it allows, and how they are read into a contract and written from it.
 struct Key {
     std::string_view name;
-    Words words;  ///< empty: any text
+    Words words;  ///< empty: any text is allowed
     std::function<void(Contract&, std::size_t, const std::string&)> set;
     std::function<std::string(const Contract&)> get;
 };
@@ -75,11 +75,11 @@ std::string listed(Words words) {
     return all;
 }
 
-/// Place of a word among those of its key.
+/// Index of a text among those that its key allows. InputError, which lists these, for any other.
 std::size_t place_of(Words words, const std::string& word, const std::string& where, const std::string& key) {
     const auto found = std::ranges::find(words, word);
     if (found == words.end())
-        throw InputError(where + ": " + key + " is " + shown_text(word) + "; it is one of " + listed(words));
+        throw InputError(where + ": " + key + " is " + shown_text(word) + "; it must be one of " + listed(words));
     return static_cast<std::size_t>(found - words.begin());
 }
 
@@ -91,7 +91,8 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
     }
 }
 
-/// Ends the run where the header says why the program cannot serve.
+/// Throws if the header says why the program cannot serve: EnvironmentError if any line begins with `missing=`, else
+/// InputError.
 void refuse_for(const std::vector<std::string>& lines, const PipeTerms& terms) {
     std::string words;
     bool machine = false;
@@ -144,16 +145,18 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         if (equals == std::string::npos) throw InputError(where + ": " + shown_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
         if (key == "name") contracts.emplace_back();
-        if (contracts.empty()) throw InputError(where + ": a form begins with name=, before its " + shown_text(key));
+        if (contracts.empty())
+            throw InputError(where + ": a form begins with name=; write it before " + shown_text(key));
         if (!set_word(contracts.back(), key, value, where))
-            throw InputError(where + ": unknown key " + shown_text(key) +
-                             "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
-                             "inside, facing, state, flags");
+            throw InputError(
+                where + ": unknown key " + shown_text(key) +
+                "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
+                "inside, facing, state, flags");
     }
     if (contracts.empty())
         throw InputError(
             from +
-            ": its header names no form; write name=, shape=, format=, or see what it printed on standard error");
+            ": its header names no form; write name=, shape= and format=, or see what it printed on standard error");
     for (const Contract& contract : contracts) require_sense(contract, from);
     return contracts;
 }
@@ -176,12 +179,12 @@ std::vector<Contract> read_greeting(const Speaker& speaker, const PipeTerms& ter
     for (std::size_t bytes = 0;;) {
         lines.push_back(speaker.next_line());
         if (lines.size() == 1 && lines.front() != pipe_version)
-            speaker.fail("says " + shown_text(lines.front()) +
+            speaker.fail("printed " + shown_text(lines.front()) +
                          " first; the first line of its standard output must be " + std::string(pipe_version) +
-                         " and all else it prints go to standard error");
+                         ", and whatever else it prints must go to standard error");
         if (lines.back().empty()) break;
         bytes += lines.back().size();
-        if (bytes > 100'000) speaker.fail("has a header without end; an empty line ends it");
+        if (bytes > 100'000) speaker.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
     refuse_for(lines, terms);

@@ -39,7 +39,7 @@ std::vector<fs::path> search_path() {
     return folders;
 }
 
-/// Why the loader refused, without the name that the message begins with anyway.
+/// The loader's error text without the library's name in front, with which our message begins already.
 std::string loader_words(const fs::path& library) {
     std::string words = dlerror();
     const std::string prefix = library.string() + ": ";
@@ -87,8 +87,8 @@ fs::path find_plugin(const std::string& word) {
                          "mine.so");
     const fs::path given(named);
     if (fs::is_regular_file(given, ignored)) return given;
-    if (named.find('/') != std::string::npos) throw InputError(named + ": there is no such library");
-    std::string looked = "here";
+    if (named.find('/') != std::string::npos) throw InputError(named + ": no such library");
+    std::string looked = "in the current folder";
     for (const fs::path& folder : search_path()) {
         for (const fs::path& path : {folder / named, folder / (named + ".so")}) {
             if (fs::is_regular_file(path, ignored)) return path;
@@ -111,7 +111,8 @@ std::string beginning(const fs::path& file, std::size_t size) {
     return text;
 }
 
-/// How what is no library would become one; a formula's source needs the program's own headers and flags.
+/// The command that compiles a source file to a library. The source of a formula needs the program's own headers and
+/// flags.
 std::string compiling(const fs::path& source) {
     const bool formula = beginning(source, 65536).find("lostbits_form.hpp") != std::string::npos;
     return (formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + process::shell_word(source.filename().string()) +
@@ -121,12 +122,12 @@ std::string compiling(const fs::path& source) {
 }  // namespace
 
 Library load_library(const fs::path& library) {
-    static std::map<void*, process::FloatingPoint> left;  // a library that is loaded a second time does nothing anew
+    static std::map<void*, process::FloatingPoint> left;  // by the first load: a second one runs no initialisers
     const std::string from = library.string();
     const char* const who = lasting_text(from);
     if (beginning(library, 4) != "\177ELF")
         throw InputError(from + ": is not a library; compile it first: " + compiling(library));
-    // Without a slash the loader would look for it in folders of its own.
+    // The path is absolute: for a name without a slash the loader would search its own folders.
     const auto [loaded, now] = call_of(who, [&] {
         const LoadsForeignCode here(who);
         void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -148,19 +149,20 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
                          "lostbits_forms as lostbits_plugin.h declares it");
     std::size_t count = 0;
-    // Giving the list belongs to loading: what it leaves is how the library's users compute.
+    // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
+    // library's users compute.
     const auto [forms, computes] = call_of(who, [&] {
         const LoadsForeignCode here(who, loaded.computes);
         const lb_form* const list = ask(LOSTBITS_PLUGIN_ABI, &count);
         return std::pair(list, here.left());
     });
-    // Of forms that march the C interface knows nothing: a library may hold those alone.
+    // A library may have only forms that march, which the C interface does not know.
     if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
         throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
                          " of lostbits_plugin.h; compile it again with the header of this program");
     if (count == 0 || count > 4096)
-        throw InputError(from + ": says that it has " + std::to_string(count) + " forms; it must be from 1 to 4096");
+        throw InputError(from + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
     std::vector<ForeignForm> all;
     for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from, computes));
     return all;

@@ -1,4 +1,4 @@
-// The other end of a pipe: forms of a library, answered from a process of their own.
+// The serving end of a pipe: the forms of a library answer from a process of their own.
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
@@ -40,7 +40,7 @@ bool read_all(int from, void* to, std::size_t bytes) {
     return true;
 }
 
-/// So many bytes, for which room is made as they come: a request may claim any number of rays.
+/// Reads this many bytes. The buffer grows as they arrive, since a request may claim any number of rays.
 bool read_column(int from, std::vector<std::byte>& column, std::size_t bytes) {
     constexpr std::size_t piece = 1 << 20;
     for (std::size_t done = 0; done < bytes;) {
@@ -65,7 +65,7 @@ bool write_all(int to, const void* from, std::size_t bytes) {
     return true;
 }
 
-/// The columns of a batch, which are handed on as they came; null where it has none.
+/// The columns of a batch, passed on as they arrived; null for a column that the batch does not have.
 using BatchColumns = std::array<std::byte*, BatchColumn::count>;
 
 std::uint8_t* hits_in(const BatchColumns& columns) {
@@ -77,7 +77,7 @@ void mark_unwritten_in(const BatchColumns& columns, std::size_t rays) {
     mark_unwritten<S>({reinterpret_cast<S*>(columns[BatchColumn::near_far]), 2 * rays}, {hits_in(columns), rays});
 }
 
-/// Why there is no answer; empty where there is.
+/// Writes the answer into the columns. Returns the error text if the form fails, else an empty text.
 std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const BatchColumns& columns) {
     if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.rays);
     else mark_unwritten_in<float>(columns, request.rays);
@@ -103,13 +103,14 @@ bool is_for(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
            (request.ends == 0 || request.ends == request.rays);
 }
 
-/// Where the numbers of batches are kept: in memory of whoever asks, or here.
+/// The memory of the columns: shared with the process that asks, or our own.
 struct Room {
     std::optional<process::SharedRoom> shared;
     std::array<std::vector<std::byte>, BatchColumn::count> columns;
 };
 
-/// The columns of a batch, read where they do not stand in memory that is shared. Nothing where not all came.
+/// The columns of a batch; if they are not in shared memory, reads them from the input. Nothing if the input ends
+/// before all of them have arrived, or if there is no memory.
 std::optional<BatchColumns> take_batch(int input, const PipeRequest& request, const Contract& contract, Room& room) {
     const ColumnBytes bytes = column_bytes(request, contract);
     const auto at = places_of(bytes);
@@ -125,7 +126,7 @@ std::optional<BatchColumns> take_batch(int input, const PipeRequest& request, co
     return columns;
 }
 
-/// False where the output takes no more of it.
+/// Writes the answer, or the error text in its place. False if the output takes no more bytes.
 bool give_answer(int output, const std::string& refusal, const ForeignForm& form, const Room& room) {
     PipeAnswer answer;
     answer.error = static_cast<std::uint32_t>(refusal.size());
@@ -138,25 +139,26 @@ bool give_answer(int output, const std::string& refusal, const ForeignForm& form
     return room.shared || (write_column(BatchColumn::near_far) && write_column(BatchColumn::hit));
 }
 
-/// Whether whoever asks has closed this, as when the run is interrupted.
+/// True if the process that asks has closed its end, as it does when its run is interrupted.
 bool has_ended(int input) {
     pollfd end{input, POLLIN, 0};
     char byte = 0;
     return poll(&end, 1, 0) > 0 && ((end.revents & POLLHUP) != 0 || read(input, &byte, 1) == 0);
 }
 
-/// An answer that nobody waits for is lost to nobody.
+/// Throws the error of a failed write, unless the process that asks has ended: then nobody waits for the answer.
 void require_somebody(int input) {
     const int error = errno;
     if (!has_ended(input))
-        throw EnvironmentError(std::string("cannot write to whoever asks for answers: ") + std::strerror(error));
+        throw EnvironmentError(std::string("cannot write to the process that asks for answers: ") +
+                               std::strerror(error));
 }
 
 }  // namespace
 
 std::string refusal_of(const Error& error) {
     const char* const key = error.code() == Exit::bad_input ? "error=" : "missing=";
-    constexpr std::size_t longest = 4000;  // of a line of the header
+    constexpr std::size_t longest = 4000;  // bytes in a line of the header
     std::string header = std::string(pipe_version) + "\n";
     std::istringstream lines(error.what());
     for (std::string line; std::getline(lines, line);) header += key + line.substr(0, longest) + "\n";
@@ -167,13 +169,13 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
     const std::string header = pipe_header_of(contracts);
-    signal(SIGPIPE, SIG_IGN);  // what cannot be written is an error with words
+    signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
     if (!write_all(output, header.data(), header.size())) return require_somebody(input), true;
     Room room;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
         if (std::memcmp(request.magic, shares_memory, sizeof request.magic) == 0) {
             room.shared.emplace(process::SharedRoom::inherited);
-            fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // nobody else has this end
+            fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // no other process reads from this end
             continue;
         }
         if (!is_for(request, forms)) return false;

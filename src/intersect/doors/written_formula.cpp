@@ -16,8 +16,8 @@ using table::RayBatch;
 
 namespace {
 
-/// A number of a formula's text from integers that each format of 24 bits holds: m·2^e, in pieces of 20 bits, so that
-/// formats which hold the number get it without rounding, and it is a constant and not an input on a tape.
+/// Builds a constant of a formula as m·2^e from integers of 20 bits, which every format of 24 bits holds. So a format
+/// that holds the number gets it without rounding, and a tape has it as a constant, not as an input.
 template <class T>
 T constant(double x) {
     if (std::isinf(x)) return x > 0 ? T(1) / T(0) : -(T(1) / T(0));
@@ -42,7 +42,8 @@ T constant(double x) {
     return x < 0 ? -whole : whole;
 }
 
-/// The list in T. Numbers and decisions are kept apart; `place` is that of an operation among its kind.
+/// Evaluates the list in T. Numbers and decisions are kept in two lists; `place_` has the index of each operation in
+/// its own list.
 template <class T>
 class Evaluation {
 public:
@@ -117,7 +118,7 @@ private:
     std::vector<mask_t<T>> masks_;
 };
 
-/// The inputs by their numbers.
+/// The inputs by the numbers that `WrittenOperation::operands` gives them.
 template <class T>
 auto by_number(const Ray<T>& ray, const Solid<T>& solid, const T& end) {
     return [&ray, &solid, &end](std::size_t k) -> T {
@@ -198,7 +199,7 @@ std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, con
     return table::bounded_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format);
 }
 
-/// Which operands of an operation are decisions.
+/// True if operand k of an operation is a decision.
 bool takes_decision(TapeOp op, std::size_t k) {
     return kind_of(op) == OperationKind::logic || (op == TapeOp::select && k == 0);
 }
@@ -214,9 +215,9 @@ void require_sense(const WrittenFormula& f) {
     for (std::size_t i = 0; i < f.operations.size(); ++i) {
         const WrittenOperation& w = f.operations[i];
         if (w.op == TapeOp::convert || w.op == TapeOp::any || w.op == TapeOp::call)
-            fail(i, "is not one that a list may have: all of its numbers are of one format, and it has no loops");
+            fail(i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
         if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
-            fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are from 0 to " +
+            fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
                         std::to_string(inputs - 1));
         if (w.op == TapeOp::constant && std::isnan(w.value)) fail(i, "is not a number");
         for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
@@ -232,10 +233,10 @@ void require_sense(const WrittenFormula& f) {
         return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
                is_decision(f.operations[static_cast<std::size_t>(i)].op) == decides;
     };
-    if (!is_one(f.hit, true)) throw InputError(f.name + ": hit is not the place of a decision");
-    if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the place of a number");
+    if (!is_one(f.hit, true)) throw InputError(f.name + ": hit is not the index of a decision");
+    if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
     for (const NodeId i : {f.near, f.far})
-        if (i != no_node && !is_one(i, false)) throw InputError(f.name + ": near or far is not the place of a number");
+        if (i != no_node && !is_one(i, false)) throw InputError(f.name + ": near or far is not the index of a number");
 }
 
 WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)

@@ -17,14 +17,14 @@ namespace {
 
 using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
 
-/// What one arithmetic proves of a ray.
+/// The answer that one arithmetic proves for a ray; nothing if it proves none.
 using Told = std::optional<Beyond>;
 
 constexpr Beyond missed(Way way) { return {false, -1, way}; }
-/// 0 without a sign.
+/// Adding 0 turns -0 into +0.
 constexpr Beyond hit_at(double t, Way way) { return {true, t + 0.0, way}; }
 
-/// t to within 8u of itself.
+/// The proved answer: the decision, with t to within 8u of itself.
 Told told(const FirstMet<Proving<double>>& met, double u) {
     if (met.hit.is_no()) return missed(Way::wider);
     const double t = met.t.word();
@@ -43,7 +43,7 @@ Told told(const FirstMet<Running<TwoWords<double>>>& met, double u) {
     if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
     return std::nullopt;
 }
-/// Both ends are rounded, so that a t which is subnormal, zero or too large is told too.
+/// Both ends of t are rounded to double, so that a t that is subnormal, zero or too large is answered too.
 Told told(const FirstMet<Interval>& met, double u) {
     if (met.hit.is_no()) return missed(Way::exact);
     if (!met.hit.is_yes() || !met.t.is_bounded()) return std::nullopt;
@@ -78,7 +78,7 @@ Beyond settle(const double* numbers, double u) {
         const Interval::Precision precision(bits);
         if (const Told exactly = ask<S, Interval>(numbers, u)) return *exactly;
     }
-    return missed(Way::exact);  // of a solid that is none
+    return missed(Way::exact);  // the numbers are not a valid primitive
 }
 
 template <template <class> class S>

@@ -110,7 +110,8 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
     }
 }
 
-inline constexpr std::string_view title_by_span = "where the line is inside, where a bound proves it, wider where not";
+inline constexpr std::string_view title_by_span =
+    "from the span of the line inside; proved by a bound, else in wider arithmetic";
 inline constexpr std::string_view source_by_span =
     "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997";
 

@@ -40,7 +40,7 @@ Solid<S> box_around(const HullParts& row, const Format& format, const Solid<S>& 
     return lift_solid<S>(Solid<double>(box));
 }
 
-/// What the box answers, which of each ray is looked at only as a decision.
+/// Answers of the box form. Only its decisions are used; its t goes to a buffer.
 template <class S>
 struct Decisions {
     std::vector<S> t;
@@ -53,7 +53,7 @@ struct Decisions {
     }
 };
 
-/// One solid for all rays, or one for each.
+/// Asks the form and the box form about a batch. The target has one primitive for all rays, or one for each.
 template <class S, class OfBox, class OfForm>
 void ask(const HullParts& row, const Format& format, const OfBox& box, const OfForm& form, const RayBatch<S>& rays,
          const Target<S>& target, const HitBatch<S>& hits) {
@@ -67,7 +67,7 @@ void ask(const HullParts& row, const Format& format, const OfBox& box, const OfF
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && found.hit[i] != 0;
 }
 
-/// Over packs where all rays have one solid.
+/// Runs over packs if all rays share one primitive.
 template <class S>
 void ask_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     const HullParts row = of(own);
@@ -88,13 +88,13 @@ void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& r
         hits);
 }
 
-/// Without rounding a hit lies in the box.
+/// Enclosures leave the box out: without rounding, every hit lies in the box.
 Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) { return of(own).form->ball(ray, target); }
 Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
     return of(own).form->interval(ray, target);
 }
 
-/// The box as it is asked first, then the form. `inside(row, target, tape)` records one of them.
+/// Records the box form, then the form. `inside(row, target, tape)` records one of them.
 template <class Inside>
 void record_with(const HullParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
                  double tmax, Tape& tape, const Inside& inside) {
@@ -163,15 +163,18 @@ void fill(Rows::Made& made) {
     made.row.is_placed = parts.form->is_placed;
 }
 
-/// Why there is no such row; empty where there is one.
+/// The reason why there is no such row; empty if there is one.
 std::string refusal(const Intersector& box, const Intersector& form) {
-    if (form.is_set()) return "name a box after each form of a set";
-    if (!is_solid(form.shape)) return "a form that marches is asked about all solids at once, and no box is around one";
-    if (!has_hull(form.shape)) return text("there is no box around ", with_article(form.shape), ", which has no end");
+    if (form.is_set()) return "write ^BOX after each form of a set";
+    if (!is_solid(form.shape))
+        return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
+    if (!has_hull(form.shape))
+        return text("there is no bounding box around ", with_article(form.shape), ", which has no end; leave ^BOX out");
     if (box.is_set() || box.shape != hull_shape || box.is_placed || made_of(box).form != nullptr)
-        return text(box.info->name, " is not a form of a box; write one after the ^, such as box.signs");
+        return text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
-        return text(box.info->name, " is for unit directions, and ", form.info->name, " is asked with others");
+        return text(box.info->name, " needs unit directions, but ", form.info->name,
+                    " takes any; choose another form of boxes");
     return "";
 }
 

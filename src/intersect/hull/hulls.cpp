@@ -10,7 +10,7 @@ namespace lostbits::intersect::hull {
 
 namespace {
 
-/// Over T, in the space of the world.
+/// The bounding box of a primitive, computed over T, in the world.
 template <class Way, class T>
 Hull<T> computed(const Solid<T>& solid) {
     const Hull<T> own = hull_of(solid);
@@ -20,7 +20,7 @@ Hull<T> computed(const Solid<T>& solid) {
     return hull_of_corners(own, [&](const Vec<T>& p) { return Way::point(to_world, p); });
 }
 
-/// The largest number of the format that is no larger than x, and the smallest that is no smaller.
+/// `down`: the largest number of the format that is not above x. `up`: the smallest that is not below x.
 double down(mpfr_srcptr x, const FloatFormat& format) {
     const double d = mpfr_get_d(x, MPFR_RNDD), near = rounding::to_format(d, 0, format);
     return near > d ? -rounding::next_up(-near, format) : near;

@@ -28,7 +28,7 @@ extern char** environ;
 namespace lostbits::intersect::process {
 namespace {
 
-/// Both ends close when another program is started, so that no child keeps another's open.
+/// Makes a pipe. Both ends close when another program is started, so that no child holds the pipe of another open.
 std::array<int, 2> make_pipe() {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0)
@@ -36,8 +36,8 @@ std::array<int, 2> make_pipe() {
     return ends;
 }
 
-/// Waits until the process has ended, but not longer than this; it stays to be waited for, so that nobody else gets its
-/// number.
+/// Waits until the process has ended, but not longer than `time`. True if it has ended. It is not reaped, so that no
+/// other process gets its number.
 bool ends_within(int process, std::chrono::milliseconds time) {
     for (auto waited = std::chrono::milliseconds(0); waited <= time; waited += std::chrono::milliseconds(5)) {
         siginfo_t info{};
@@ -48,15 +48,16 @@ bool ends_within(int process, std::chrono::milliseconds time) {
     return false;
 }
 
-/// What has left the group of its process (setsid) is adopted by this one when that process ends, and ended.
+/// Ends the descendants of a child that have left its process group (setsid). This process is their subreaper: it
+/// adopts them when their parent ends.
 class Adopted {
 public:
-    /// What a shell left to this process before is not ours to end.
+    /// Children that this process has already, left by the shell that started it, are not ours to end.
     Adopted() {
         for (const int child : children()) own_.insert(child);
         prctl(PR_SET_CHILD_SUBREAPER, 1);
     }
-    /// `start` answers the process that it started.
+    /// Calls `start`, which returns the process that it started, and remembers that as our own.
     template <class Start>
     int own(const Start& start) {
         const std::scoped_lock lock(mutex_);
@@ -66,10 +67,10 @@ public:
     }
     void end() {
         const std::scoped_lock lock(mutex_);
-        for (bool any = true; any;) {  // what it started comes next
+        for (bool any = true; any;) {  // once more: ending one leaves us its children
             any = false;
             for (const int child : children()) {
-                // One that a library in this very process started is in its group.
+                // A process that a library in this process started is in our own group and stays.
                 if (own_.contains(child) || getpgid(child) == getpgrp()) continue;
                 any = kill(child, SIGKILL) == 0 && waitpid(child, nullptr, 0) == child;
             }
@@ -85,7 +86,7 @@ Adopted& adopted() {
     return *all;
 }
 
-/// Ends it and whatever it started, copies of itself among them. How it ended.
+/// Ends a process and everything that it started, including copies of itself. Returns its status.
 int end_group(int process) {
     int status = 0;
     kill(-process, SIGKILL);
@@ -101,7 +102,7 @@ std::string shell_word(std::string_view word) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                std::string_view("_./=,:+-").find(c) != std::string_view::npos;
     };
-    // zsh looks for a command where a word begins with =.
+    // zsh replaces a word that begins with = by the path of a command.
     if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, plain)) return std::string(word);
     std::string quoted = "'";
     for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -166,7 +167,7 @@ void Child::start(ProgramWords words, Errors errors) {
         fail(std::string("cannot be started: ") + std::strerror(error));
     }
     for (const int end : {input_, output_}) fcntl(end, F_SETFL, fcntl(end, F_GETFL) | O_NONBLOCK);
-    signal(SIGPIPE, SIG_IGN);  // a child that is gone is an error of write(), which names it
+    signal(SIGPIPE, SIG_IGN);  // writing to a child that has ended becomes an error of write()
 }
 
 Child::~Child() {
@@ -196,7 +197,7 @@ void Child::fail(const std::string& what) {
 
 void Child::fail_late() {
     fail("has not answered within the time limit; " + (terms_.duty.empty() ? "" : terms_.duty + "; ") +
-         "raise --time-limit SECONDS where it needs longer");
+         "raise --time-limit SECONDS if it needs longer");
 }
 
 void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {
@@ -231,13 +232,13 @@ std::size_t Child::read_some(std::span<std::byte> room) {
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     output_ended_ = true;
-    fail("ended without a whole answer");
+    fail("ended before it had written a whole answer");
 }
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
     const auto until =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
-    if (!request.empty()) write_some(request);  // most fit at once, and need no poll
+    if (!request.empty()) write_some(request);  // most requests fit at once and need no poll
     for (int look = 0; look < looks_before_sleep && request.empty() && !answer.empty(); ++look) {
         answer = answer.subspan(read_some(answer));
         if (!answer.empty()) sched_yield();
@@ -247,7 +248,7 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
         wait_for(request.empty() ? short{0} : short{POLLOUT}, until, can_write, can_read);
         if (can_write) write_some(request);
         if (!can_read) continue;
-        if (answer.empty()) return;  // it answers before it has read all, or it has ended: the next read says which
+        if (answer.empty()) return;  // it answered before it read all, or it has ended; the next read finds out
         answer = answer.subspan(read_some(answer));
     }
 }
@@ -264,7 +265,7 @@ Child::Ended Child::read_to_end() {
         if (got > 0) ended.output.append(piece.data(), static_cast<std::size_t>(got));
         else if (got == 0 || (errno != EAGAIN && errno != EINTR)) break;
     }
-    // It may have closed its output and go on.
+    // The process may have closed its output and still run.
     while (!ends_within(process_, std::chrono::milliseconds(20))) {
         terms_.stop.check();
         if (Clock::now() > until) fail_late();
@@ -283,7 +284,8 @@ std::string Child::read_line() {
         read({&one, 1});
         if (static_cast<char>(one) == '\n') return line;
         line += static_cast<char>(one);
-        if (line.size() > 4096) fail("wrote a first line without end; see docs/pipe.md for how it must begin");
+        if (line.size() > 4096)
+            fail("wrote a line of more than 4096 bytes; see docs/pipe.md for the header that it must begin with");
     }
 }
 

@@ -15,7 +15,7 @@
 namespace lostbits::intersect::process {
 namespace {
 
-/// A way to differ from the standard: its word, the bits that say it, and what they are then.
+/// A difference from the standard state: its name, the mask of its bits, and their value.
 struct Deviation {
     std::string_view word;
     std::uint64_t mask, value;
@@ -40,7 +40,7 @@ std::uint32_t x87_now() noexcept {
     asm volatile("fnstcw %0" : "=m"(word));
     return word & x87_bits;
 }
-/// What was raised goes: a trap must not come late.
+/// Clears the raised exceptions, so that none of them traps later.
 void set_main(std::uint64_t bits) noexcept { _mm_setcsr(static_cast<unsigned>(bits)); }
 void set_x87(std::uint32_t bits) noexcept {
     const auto word = static_cast<std::uint16_t>(bits | 0x0040U);  // a bit that is always set
@@ -79,7 +79,7 @@ void set_x87(std::uint32_t) noexcept {}
 
 #endif
 
-/// What no word above tells: exceptions that trap.
+/// The name of any other difference: exceptions that trap.
 constexpr std::string_view otherwise = "traps";
 
 }  // namespace
@@ -139,8 +139,8 @@ void require_standard(const char* what) {
     const FloatingPoint now = FloatingPoint::current();
     if (now == FloatingPoint::standard()) return;
     throw Error(Exit::internal, std::string(what) + ": this thread does not compute as IEEE 754 asks (" + now.words() +
-                                    "), so nothing could be proved; some code changed that and did not set it back. "
-                                    "Find it by leaving out --plugin and LD_PRELOAD");
+                                    "), so nothing can be proved; some code changed that and did not restore it. To "
+                                    "find that code, leave out --plugin and LD_PRELOAD");
 }
 
 }  // namespace lostbits::intersect::process

@@ -51,7 +51,7 @@ struct OwnState {
     std::array<rlimit, limits.size()> had{};
 };
 OwnState kept;
-/// Never destroyed: what runs at the end asks, too.
+/// Never destroyed: exit handlers read it too.
 std::map<std::string, std::string, std::less<>>& kept_environment() {
     static auto* all = new std::map<std::string, std::string, std::less<>>;
     return *all;
@@ -92,21 +92,22 @@ bool is_a_copy() noexcept { return is_kept.load() && getpid() != kept.process; }
 
 void give_thread_own_folder() noexcept {
     thread_local const int refused = is_kept.load() ? unshare(CLONE_FS) : 0;
-    static_cast<void>(refused);  // by a sandbox
+    static_cast<void>(refused);  // a sandbox may refuse; then the folder stays shared
 }
 
 bool put_back_own_state(const char* who) noexcept {
     if (!is_kept.load()) return true;
     if (is_forked.load() && is_a_copy()) {
         for (const char* part : {"lostbits: ", who != nullptr ? who : "a library",
-                                 ": made a copy of this program (fork) that came back from the call as if it were the "
-                                 "program; the copy is ended; call exec or _exit in it\n"}) {
+                                 ": made a copy of this program (fork), which returned from the call as if it were the "
+                                 "program; the copy was ended; call exec or _exit in it\n"}) {
             if (write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
         }
         _exit(static_cast<int>(Exit::environment));
     }
     if (kept.folder < 0 || fchdir(kept.folder) == 0) return true;
-    // A folder that may not be entered any more is no fault of the code.
+    // The folder may no longer be accessible, which is not the fault of foreign code. Only a descriptor that no longer
+    // names it is.
     struct stat now {};
     return fstat(kept.folder, &now) == 0 && now.st_dev == kept.folder_is.st_dev && now.st_ino == kept.folder_is.st_ino;
 }
@@ -119,7 +120,7 @@ const char* put_back_limits() noexcept {
         rlimit now{};
         if (getrlimit(resource, &now) != 0 || (now.rlim_cur >= own.rlim_cur && now.rlim_max >= own.rlim_max)) continue;
         if (setrlimit(resource, &own) == 0) continue;
-        // Up to what is left of the hard limit; enough of it is enough.
+        // The hard limit was lowered and cannot be raised. What is left of it will do if the former soft limit fits.
         const rlimit most{std::min(own.rlim_cur, now.rlim_max), now.rlim_max};
         if (setrlimit(resource, &most) != 0 || most.rlim_cur < own.rlim_cur) return limits[i].name;
     }

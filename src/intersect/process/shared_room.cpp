@@ -10,7 +10,8 @@
 namespace lostbits::intersect::process {
 
 SharedRoom::SharedRoom() : descriptor_(memfd_create("lostbits", MFD_CLOEXEC | MFD_ALLOW_SEALING)) {
-    // The other side holds foreign code: what is mapped must stay there, or reading it would be SIGBUS.
+    // The other process runs foreign code. It must not shrink the memory: reading a mapped page that is gone is a
+    // SIGBUS.
     if (descriptor_ >= 0) static_cast<void>(fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK));
 }
 

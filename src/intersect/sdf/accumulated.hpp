@@ -1,4 +1,4 @@
-// Sphere tracing that moves the point itself and so adds up the rounding of every step.
+// Sphere tracing that moves the point itself, so the rounding errors of all steps add up.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"

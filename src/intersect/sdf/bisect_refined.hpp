@@ -1,13 +1,14 @@
-// Sphere tracing, and then bisection between the last sample outside and a point inside.
+// Sphere tracing, then bisection between the last sample outside and a point inside.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// After the hit of `sphere_trace`: a point inside is looked for at hit_eps, 2 hit_eps, … `doublings` times beyond it
-/// (2^7 hit_eps at most: a ray that meets the surface at a cosine below 2^-7 is left where it is), and bisect_steps
-/// halvings leave the middle of what remains. Reads hit_eps, max_dist, max_steps, bisect_steps.
+/// After the hit of `sphere_trace`, looks for a point inside at hit_eps, 2 hit_eps, … beyond it, `doublings` times, so
+/// up to 2^7 hit_eps. Then it halves the interval bisect_steps times and answers its middle. If no point inside is
+/// found (a ray that meets the surface at a cosine below 2^-7), t stays as it is. Reads hit_eps, max_dist, max_steps,
+/// bisect_steps.
 struct BisectRefined {
     static constexpr Info info{.name = "sdf.bisect_refined",
                                .title = "sphere_trace, then bisection to the root of the field",
@@ -20,7 +21,7 @@ struct BisectRefined {
         constexpr int doublings = 8;
         const T zero(0), two(2);
         const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
-        auto inside = m.hit && m.d < zero;  // the last step went through the surface already
+        auto inside = m.hit && m.d < zero;  // the last step already went through the surface
         T low = select(inside, m.t_before, m.t);
         T high = m.t;
         T reach = c.hit_eps;

@@ -1,11 +1,11 @@
-// Sphere tracing that stops where the surface comes within the cone of a pixel.
+// Sphere tracing that stops when the surface comes within the cone of a pixel.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// A hit where d < cone·t, answered with the sample before it, which was certainly outside of the cone. Reads cone,
+/// A hit if d < cone·t. The answer is the t of the sample before, which was outside the cone. Reads cone,
 /// max_dist, max_steps.
 struct ConeEps {
     static constexpr Info info{.name = "sdf.cone_eps",

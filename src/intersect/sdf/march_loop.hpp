@@ -1,4 +1,4 @@
-// The loop that the sdf forms share.
+// The march loop that the sdf forms share.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -7,9 +7,9 @@
 
 namespace lostbits::intersect::sdf {
 
-/// Sees every sample of a march (where it was taken, and whether the march was still under way) and the step after it:
-/// to which t and, where the form moves the point itself, to which point. `changed` says that the form changed
-/// something else than the place, so that its next step from the same place may differ. This one looks away.
+/// A watch that does nothing. A watch receives every sample of a march (the position, and whether the march still runs)
+/// and the step after it: the new t and, if the form moves the point itself, the new point. `changed` says that the
+/// form changed more than the position, so the next step from the same position may differ.
 struct Unwatched {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
@@ -21,7 +21,7 @@ struct Unwatched {
     void stepped(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
 };
 
-/// Where a march stands when it ends: its last sample and the one before (t = d = 0 where there was one alone).
+/// The end of a march: its last sample and the one before (t = d = 0 if there was only one).
 template <class T>
 struct Marched {
     mask_t<T> hit;
@@ -35,8 +35,8 @@ Vec<T> along(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// d = field(o + t·dir); a hit where `close(d, t)`; otherwise t += d, a miss where t > max_dist. SDF Sphere Marching,
-/// step 3.
+/// d = field(o + t·dir). It is a hit if `close(d, t)`; otherwise t += d, and a miss if t > max_dist. SDF Sphere
+/// Marching, step 3.
 template <Number T, class Field, class Watch, class Close>
 Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch, const Close& close) {
     const T zero(0);
@@ -58,7 +58,7 @@ Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>&
     return m;
 }
 
-/// The answer of a form that knows one intersection.
+/// The answer of a form that yields one intersection: near = far = t.
 template <class T>
 Hit<T> only(const mask_t<T>& hit, const T& t) {
     return {hit, t, t, t};

@@ -1,16 +1,17 @@
-// Sphere tracing with steps longer than the field, taken back where they turn out to have been too long.
+// Sphere tracing with steps longer than the field. A step that turns out too long is undone.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// Steps of ω·d. Where the sphere around the new point does not reach the one around the last (|d| + |d_last| < step)
-/// something may lie between: the step is taken back to the safe one, t_last + d_last, and ω is 1 from there on. A hit
-/// where d < hit_eps after a step that was not taken back. Reads over_relaxation, hit_eps, max_dist, max_steps.
+/// Each step is ω·d. If the sphere around the new point does not reach the sphere around the last one (|d| + |d_last| <
+/// step), a surface may lie between them. Then the step is replaced by the safe one, to t_last + d_last, and ω is 1
+/// from there on. It is a hit if d < hit_eps after a step that was not undone. Reads over_relaxation, hit_eps,
+/// max_dist, max_steps.
 struct OverRelaxed {
     static constexpr Info info{.name = "sdf.over_relaxed",
-                               .title = "steps of omega d, undone where the spheres part",
+                               .title = "steps of omega d, undone if the spheres do not touch",
                                .source = "Keinert et al. 2014, enhanced sphere tracing",
                                .direction = Direction::unit,
                                .roots = Roots::first_only};

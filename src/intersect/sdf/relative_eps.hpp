@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A hit where d < relative_eps·t. Reads relative_eps, max_dist, max_steps.
+/// A hit if d < relative_eps·t. Reads relative_eps, max_dist, max_steps.
 struct RelativeEps {
     static constexpr Info info{.name = "sdf.relative_eps",
                                .title = "hit where the field is below relative_eps t",

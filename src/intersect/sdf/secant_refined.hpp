@@ -1,13 +1,13 @@
-// Sphere tracing, and then the secant through its last two samples.
+// Sphere tracing, then secant steps from its last two samples.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// After the hit of `sphere_trace`, secant_steps times t − d·(t − t')/(d − d'), kept where it brings |d| down: a ray
-/// that passes the surface within hit_eps without meeting it has no root to go to. Reads hit_eps, max_dist, max_steps,
-/// secant_steps.
+/// After the hit of `sphere_trace`, takes secant_steps steps to t − d·(t − t')/(d − d'). A step is kept only if it
+/// makes |d| smaller: a ray that passes the surface within hit_eps without meeting it has no root. Reads hit_eps,
+/// max_dist, max_steps, secant_steps.
 struct SecantRefined {
     static constexpr Info info{.name = "sdf.secant_refined",
                                .title = "sphere_trace, then secant steps to the root of the field",

@@ -1,4 +1,4 @@
-// The march of SDF Sphere Marching (lesson P0-C1): steps of the field's own size until it is below an absolute
+// The march of SDF Sphere Marching (lesson P0-C1): each step is the value of the field, until that is below an absolute
 // threshold.
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A hit where d < hit_eps, at the t of that sample: it stops short of the surface by up to hit_eps over the cosine of
-/// the angle of incidence. Reads hit_eps, max_dist, max_steps.
+/// A hit if d < hit_eps, at the t of that sample. It stops before the surface by up to hit_eps over the cosine of the
+/// angle of incidence. Reads hit_eps, max_dist, max_steps.
 struct SphereTrace {
     static constexpr Info info{.name = "sdf.sphere_trace",
                                .title = "hit where the field is below hit_eps",

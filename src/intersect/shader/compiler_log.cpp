@@ -9,13 +9,13 @@
 namespace lostbits::intersect::shader {
 namespace {
 
-/// One line of a log that names a place.
+/// One line of a log that names a position.
 struct Complaint {
-    int line = 0, column = 0;  ///< column 0: not told; Mesa's, see `column_of`
+    int line = 0, column = 0;  ///< column as Mesa counts it, see `column_of`; 0: not given
     std::string words;
 };
 
-/// False for a line without a place.
+/// Reads a line of a log. False if it names no position.
 bool read(const std::string& text, Complaint& c) {
     int used = 0;
     // Mesa: `1:12(5): error: words`; glslang and AMD: `ERROR: 1:12: words`; NVIDIA: `1(12) : error C1008: words`.
@@ -38,13 +38,13 @@ std::string line_of(const std::string& text, int number) {
     std::istringstream lines(text);
     std::string line;
     for (int i = 0; i < number; ++i) {
-        if (!std::getline(lines, line)) return "";  // `#line` of the text may have said any number
+        if (!std::getline(lines, line)) return "";  // a `#line` in the text may give any number
     }
     return line;
 }
 
-/// Mesa counts blanks side by side as one. Where a compiler tells no column: at the word that it quotes, or at the
-/// first of the line.
+/// Column in the file, from 1. Mesa counts adjacent blanks as one. If the compiler gives no column, the column of the
+/// text that it quotes, or else of the first text in the line.
 int column_of(const Complaint& c, const std::string& line) {
     const auto is_blank = [](char x) { return x == ' ' || x == '\t'; };
     int counted = 0;
@@ -59,20 +59,20 @@ int column_of(const Complaint& c, const std::string& line) {
     return at == std::string::npos ? 1 : static_cast<int>(at) + 1;
 }
 
-/// What to try where the words of a compiler do not say it.
+/// Advice to add to a message of a compiler; empty if there is none.
 std::string advice(const std::string& words) {
     const auto has = [&words](const char* part) { return words.find(part) != std::string::npos; };
     if (has("non-opaque uniforms")) return " (write a constant, or try --device opengl)";
     if (has("discard") || has("dFd") || has("fwidth"))
-        return " (this belongs to pixels; put the function that intersects into a file of its own)";
-    if (has("texture2D")) return " (GLSL of today calls it texture)";
+        return " (only pixel shaders have this; move the intersector into a file of its own)";
+    if (has("texture2D")) return " (current GLSL calls it texture)";
     return "";
 }
 
 }  // namespace
 
 std::string errors_of(const std::string& log, const ShaderSource& shader) {
-    const int most = shader.hlsl ? 1 : 8;  // of HLSL what follows the first error comes of it
+    const int most = shader.hlsl ? 1 : 8;  // in HLSL the first error causes those that follow
     std::istringstream lines(log);
     std::string all, unplaced;
     int found = 0;
@@ -92,10 +92,10 @@ std::string errors_of(const std::string& log, const ShaderSource& shader) {
                    std::to_string(column_of(c, line_of(shader.text, c.line))) + ": " + words + advice(words);
         else
             all += shader.path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column) + ": the call of `" +
-                   f.name + "` is not accepted (is it inside of an #if?): " + words;
+                   f.name + "` is rejected (is it inside an #if?): " + words;
     }
     return !all.empty() ? all
-                        : shader.path + ":1:1: the compiler of the driver refuses it" +
+                        : shader.path + ":1:1: the driver's compiler rejects it" +
                               (unplaced.empty() ? " and does not say why" : ":" + unplaced);
 }
 

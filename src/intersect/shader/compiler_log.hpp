@@ -7,8 +7,8 @@
 
 namespace lostbits::intersect::shader {
 
-/// `FILE:LINE:COLUMN: words` for each error of a log about `program_text`, as Mesa, glslang, NVIDIA and AMD write them;
-/// what is said of our part of the program names the function. Never empty.
+/// Converts a log about `program_text` to a line `FILE:LINE:COLUMN: text` for each error. Reads the formats of Mesa,
+/// glslang, NVIDIA and AMD. An error in our part of the program is reported at the function. Never empty.
 std::string errors_of(const std::string& log, const ShaderSource& shader);
 
 }  // namespace lostbits::intersect::shader

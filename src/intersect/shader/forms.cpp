@@ -20,7 +20,7 @@ using device::Program;
 
 namespace {
 
-/// One compiled function, and room for a batch of it.
+/// One compiled function, with the buffers for a batch.
 class Runner {
 public:
     Runner(std::shared_ptr<Device> on, std::shared_ptr<Program> program, const ShaderSource& shader)
@@ -43,7 +43,7 @@ private:
     template <class S>
     static std::span<std::byte> bytes_at(const void* column, std::size_t first, std::size_t count) {
         const auto* const begin = static_cast<const S*>(column) + first;
-        // A buffer that is read only is not written through this.
+        // Read-only buffers are never written through this pointer.
         return {reinterpret_cast<std::byte*>(const_cast<S*>(begin)), count * sizeof(S)};
     }
 
@@ -66,10 +66,11 @@ private:
             {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},
         }};
         device_->run(*program_, buffers, (n + group_size - 1) / group_size);
-        // A driver may lose its device without a word; every run of the program writes here.
+        // A driver may lose its device without an error. Every ray of a run writes here, so an unwritten entry shows
+        // it.
         if (std::ranges::find(hits_, not_written) != hits_.end())
             throw EnvironmentError(device_->words().kind +
-                                   ": the device is lost: it wrote no answer; does the shader run for long?");
+                                   ": the device is lost: it wrote no answer; does the shader run too long?");
         const bool tells_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
             batch.hit[begin + i] = tells_hit ? hits_[i] != 0
@@ -93,8 +94,8 @@ std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bi
         const bool translated = shader.signature.doubles != (bits == 64);
         throw InputError(errors_of(error.what(), shader) +
                          (translated
-                              ? "\n(the file is rewritten for " + std::string(bits == 64 ? "doubles" : "floats") +
-                                    ", as format= asks; some functions have no form for doubles)"
+                              ? "\n(the file was rewritten for " + std::string(bits == 64 ? "doubles" : "floats") +
+                                    ", as format= asks; some functions do not exist for doubles)"
                               : ""));
     }
 }

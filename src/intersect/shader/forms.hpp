@@ -1,4 +1,4 @@
-// A shader as forms that a device answers.
+// Makes forms from a shader, which a device runs.
 #pragma once
 
 #include <memory>
@@ -10,13 +10,13 @@
 
 namespace lostbits::intersect::shader {
 
-/// A form for each format that the shader is asked for, named `shader.NAME`, or `shader.NAME.KIND` where `name_device`.
-/// `arithmetic` tells of that device how it rounds, for the contract's source. InputError with the user's lines for a
-/// shader that does not compile; EnvironmentError for doubles where the device has none.
+/// A form for each format that the shader is wanted in, named `shader.NAME`, or `shader.NAME.KIND` if `name_device`.
+/// `arithmetic` describes how the device rounds and becomes part of the contract's source. InputError with the user's
+/// lines if the shader does not compile; EnvironmentError if it needs doubles and the device has none.
 std::vector<doors::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<device::Device>& on,
                                          bool name_device, const std::string& arithmetic);
 
-/// How many rays one run of the device may answer, of numbers of so many bits.
+/// Number of rays that one run of the device may answer, for numbers of this many bits.
 std::size_t most_rays(const device::DeviceLimits& limits, int bits);
 
 }  // namespace lostbits::intersect::shader

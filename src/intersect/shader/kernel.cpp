@@ -15,7 +15,7 @@ void blank(std::string& text, const Token& token) {
     text.replace(token.offset, token.text.size(), token.text.size(), ' ');
 }
 
-/// Names of other stages and of shader sites, and what stands for them here.
+/// A name that only other shader stages or shader sites define, and its value here.
 struct Stand {
     std::string_view name, value;
 };
@@ -30,11 +30,11 @@ constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 
                                             {"iSampleRate", "44100.0"},
                                             {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
 
-/// What is put into a text, and in front of which of its bytes.
+/// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// `uniform vec2 size;` at its first token as a variable that holds 0; Vulkan has no other uniforms. Blocks and
-/// samplers stay.
+/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable that holds 0: Vulkan has uniforms only in
+/// blocks. Blocks and samplers stay.
 void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
                  std::size_t at) {
     static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
@@ -43,7 +43,7 @@ void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const st
     insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
 }
 
-/// All at once: the text is copied once, however many there are.
+/// Makes all insertions in one pass, so that the text is copied once.
 std::string with(const std::string& text, const std::vector<Insertion>& insertions) {
     std::string result;
     std::size_t copied = 0;
@@ -54,7 +54,7 @@ std::string with(const std::string& text, const std::vector<Insertion>& insertio
     return result + text.substr(copied);
 }
 
-/// The user's text as a compute program takes it, every line and column where it was.
+/// Rewrites the user's text so that a compute program can contain it. Every line and column stays where it was.
 std::string fitted(const std::string& original) {
     std::string text = original;
     const std::vector<Token> tokens = tokens_of(original);
@@ -67,7 +67,7 @@ std::string fitted(const std::string& original) {
         if (t.kind == Token::Kind::comment) continue;
         if (t.in_directive) {
             const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version" &&
-                                 t.line != version_line;  // a line once, however many it has
+                                 t.line != version_line;  // each such line once
             if (version) version_line = t.line;
             for (std::size_t k = i; version && k < tokens.size() && tokens[k].line == t.line; ++k) {
                 if (tokens[k].kind != Token::Kind::comment) blank(text, tokens[k]);
@@ -91,8 +91,8 @@ std::string fitted(const std::string& original) {
     return with(text, insertions);
 }
 
-/// Declares what shader sites have and the text uses without declaring it: directives alone, so that an `#extension` of
-/// the text still stands first.
+/// Declares the names of shader sites and of other stages that the text uses and does not declare. Constants are
+/// directives, after which an `#extension` of the text may still come. Outputs and channels are variables.
 std::string site_words(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
     static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};
@@ -116,7 +116,7 @@ std::string site_words(const std::string& text) {
     return words;
 }
 
-/// The usual loop, with the constants as decimals that are read back as they were given.
+/// The usual loop. Its constants are written as decimals that are read back without a change.
 std::string march_words(const Signature& s, const MarchWords& march, const std::string& call) {
     const auto number = [&s](double x) {
         std::array<char, 40> text{};
@@ -133,7 +133,7 @@ std::string march_words(const Signature& s, const MarchWords& march, const std::
            number(march.max_dist) + ") break;\n    }\n";
 }
 
-/// The call, and what becomes of its answer. `R` and `V` stand for the types of numbers and vectors.
+/// The call of the function, and the statements that store its answer.
 std::string call_words(const Signature& s, const MarchWords& march) {
     using Answers = Signature::Answers;
     std::string words, list;
@@ -161,13 +161,13 @@ std::string call_words(const Signature& s, const MarchWords& march) {
     return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
-/// The words of the buffer `head`, in the order of `KernelHead`, and the buffers of columns.
+/// The members of the buffer `head`, in the order of `KernelHead`, and the buffers of columns.
 constexpr std::array<std::string_view, 4> head_words{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
 static_assert(sizeof(KernelHead) == head_words.size() * sizeof(std::uint32_t));
 struct ColumnBuffer {
     BufferPlace at;
     std::string_view name;
-    bool written = false, whole = false;  ///< by the program; not of the function's numbers but of whole ones
+    bool written = false, whole = false;  ///< written by the program; holds integers, not the function's numbers
 };
 constexpr std::array<ColumnBuffer, BufferPlace::binding_count - 1> column_buffers{
     {{BufferPlace::rays, "lb_rays"},
@@ -177,7 +177,7 @@ constexpr std::array<ColumnBuffer, BufferPlace::binding_count - 1> column_buffer
      {BufferPlace::hits, "lb_hits", true, true},
      {BufferPlace::starts, "lb_starts"}}};
 
-/// The buffers, and the line that begins the program.
+/// Declares the buffers and begins the main function, in GLSL.
 std::string opening(const std::string& real) {
     std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
     const auto buffer = [&words](BufferPlace at, bool written, const std::string& members) {
@@ -191,7 +191,7 @@ std::string opening(const std::string& real) {
     return words + "void main() {\n";
 }
 
-/// The same in HLSL, where what follows may go on in words of GLSL.
+/// The same in HLSL. Its macros let the rest of the program be written as in GLSL.
 std::string opening_of_hlsl() {
     std::string words =
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
@@ -226,7 +226,7 @@ std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
         if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_solid", k);
     });
-    // Infinity by its bits: a division by zero is the driver's business.
+    // Infinity is written by its bits, since drivers differ in what a division by zero gives.
     words +=
         "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
     words += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
@@ -240,7 +240,7 @@ const std::map<std::string_view, std::string_view>& types_of_doubles() {
     return types;
 }
 
-/// A number with a point or an exponent as the other width writes it; anything else as it stands.
+/// Rewrites a number that has a point, an exponent or the suffix f for the other width. Other numbers stay as they are.
 std::string number_of(std::string_view number, bool to_doubles) {
     std::string text(number);
     const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -265,7 +265,7 @@ std::string rewritten(const std::string& text, bool to_doubles) {
                 if (token.text == (to_doubles ? one : two)) now = to_doubles ? two : one;
             }
         }
-        // `precision highp float;` has no twin for doubles.
+        // `precision highp float;` has no counterpart for doubles.
         in_precision = in_precision || (to_doubles && token.text == "precision");
         result += text.substr(copied, token.offset - copied) + (in_precision ? "" : now);
         if (token.text == ";") in_precision = false;

@@ -1,5 +1,5 @@
-// The compute program around a function of a shader: it reads rays and solids from buffers and writes what the function
-// answers.
+// The compute program around a function of a shader: it reads rays and primitives from buffers and writes the
+// function's answers.
 #pragma once
 
 #include <string>
@@ -19,18 +19,18 @@ struct KernelHead {
     std::uint32_t starts = 0;  ///< 1 if rays begin elsewhere than at 0
 };
 
-/// Our part of the program begins with this line, the user's with line 1. (Mesa 22 forgets the other number of `#line`,
-/// that of the source string, in expressions.)
+/// Line number at which our part of the program begins; the user's begins with line 1. (`#line` also takes a number for
+/// the source string, but Mesa 22 loses that in expressions.)
 inline constexpr int our_first_line = 1'000'001;
 
-/// GLSL of that version, for numbers of 32 or 64 bits; of a file of HLSL, HLSL. The user's text stands in it line by
-/// line as in the file; what only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed
-/// without moving a column. Uniforms are variables that hold 0, as they do where nobody sets them.
+/// The program, in GLSL of that version for numbers of 32 or 64 bits, or in HLSL if the file is HLSL. The user's text
+/// keeps its lines. What only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed or
+/// blanked without moving a column. Uniforms become variables that hold 0, the value of a uniform that nobody sets.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
-/// A file that computes in float, made to compute in double, or the other way, token by token: types (`vec3`, `dvec3`)
-/// and numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that have no form for doubles (`sin`, `pow`) are
-/// left for the compiler to refuse.
+/// Rewrites a file in float to compute in double, or the other way round, token by token: types (`vec3`, `dvec3`) and
+/// numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that do not exist for doubles (`sin`, `pow`) stay,
+/// and the compiler rejects them.
 std::string rewritten(const std::string& text, bool to_doubles);
 
 }  // namespace lostbits::intersect::shader

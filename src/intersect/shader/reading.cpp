@@ -15,7 +15,7 @@ namespace {
 bool begins_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Where the token that begins at `at`, no white space, ends.
+/// End of the token that begins at `at`, which is not white space.
 std::size_t end_of(std::string_view text, std::size_t at, Token::Kind& kind) {
     const auto while_ = [&](std::size_t end, auto belongs) {
         while (end < text.size() && belongs(end)) ++end;
@@ -120,7 +120,7 @@ Parameter parameter_of(std::span<const Token> words) {
     return p;
 }
 
-/// For each place with a round bracket the place of the one that closes it; `code.size()` where none does.
+/// For each index with an opening round bracket, the index of the closing one; `code.size()` if there is none.
 std::vector<std::size_t> closings(const std::vector<Token>& code) {
     std::vector<std::size_t> closing(code.size(), code.size()), open;
     for (std::size_t i = 0; i < code.size(); ++i) {
@@ -177,7 +177,7 @@ std::vector<Function> functions_of(const std::vector<Token>& code) {
 
 namespace {
 
-/// Names that stand for whole numbers, by #define or const int.
+/// Names that a #define, an int or a uint gives a whole number.
 std::map<std::string_view, long long> whole_constants(const std::vector<Token>& tokens) {
     std::map<std::string_view, long long> found;
     for (std::size_t i = 0; i + 2 < tokens.size(); ++i) {
@@ -192,12 +192,13 @@ std::map<std::string_view, long long> whole_constants(const std::vector<Token>& 
     return found;
 }
 
-/// Where things end, for each place in the code; its size where they do not. All at once, so that a file of brackets
-/// alone takes no longer than another.
+/// For each index in the code, the ends of what begins there; the size of the code if it does not end. They are
+/// computed in one pass, so that even a file of nothing but brackets takes linear time.
 struct Ends {
-    std::vector<std::size_t> bracket;    ///< behind the bracket that closes the one here; behind anything else itself
-    std::vector<std::size_t> semicolon;  ///< the next one from here on
-    std::vector<std::size_t> statement;  ///< behind the one that begins here: a block, or all to the next semicolon
+    std::vector<std::size_t> bracket;    ///< index after the closing bracket; for other tokens the next index
+    std::vector<std::size_t> semicolon;  ///< the next semicolon from here on
+    std::vector<std::size_t>
+        statement;  ///< index after the statement that begins here: a block, or up to the next semicolon
 
     explicit Ends(const std::vector<Token>& code) : semicolon(code.size() + 1, code.size()), statement(semicolon) {
         std::vector<std::size_t> open;
@@ -218,7 +219,7 @@ struct Ends {
     }
 };
 
-/// Whether a loop begins here whose condition says nothing: `while (true)`, `for (;;)`.
+/// True if a loop begins here whose condition never ends it: `while (true)`, `for (;;)`.
 bool is_endless(const std::vector<Token>& code, const Ends& ends, std::size_t at) {
     if (code[at].text == "for") at = ends.semicolon[at];
     else if (code[at].text != "while") return false;
@@ -227,7 +228,7 @@ bool is_endless(const std::vector<Token>& code, const Ends& ends, std::size_t at
     return says_true || (code[at].text == ";" && code[at + 1].text == ";");
 }
 
-/// The largest whole number between the `for` here and its second semicolon; 0 without one.
+/// The largest whole number between the `for` here and its second semicolon; 0 if there is none.
 long long bound_of(const std::vector<Token>& code, std::size_t at,
                    const std::map<std::string_view, long long>& constants) {
     long long most = 0;
@@ -248,7 +249,8 @@ std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vect
     const auto constants = whole_constants(all);
     const Ends ends(code);
     std::vector<CountedLoop> loops;
-    std::vector<std::pair<std::size_t, long long>> around;  // where they end, and how often they run together
+    std::vector<std::pair<std::size_t, long long>>
+        around;  // end of each enclosing loop, and the product of their counts
     for (std::size_t i = 0; i + 1 < code.size(); ++i) {
         while (!around.empty() && around.back().first <= i) around.pop_back();
         if (is_endless(code, ends, i)) loops.push_back({code[i].line, CountedLoop::endless, CountedLoop::endless});

@@ -12,51 +12,51 @@ namespace lostbits::intersect::shader {
 struct Token {
     enum class Kind { name, number, sign, comment };
     Kind kind;
-    std::string_view text;     ///< of the file's text, which outlives the token
-    std::size_t offset;        ///< where it begins in that text
+    std::string_view text;     ///< points into the text of the file, which outlives the token
+    std::size_t offset;        ///< of its first byte in that text
     std::size_t line, column;  ///< from 1; columns are bytes
     bool in_directive;         ///< on a line that begins with #, or on one that continues it
 };
 
-/// Every token. What GLSL does not know becomes a sign of one byte; a comment that does not end goes to the end.
+/// Reads every token. A byte that GLSL does not know becomes a sign; a comment without an end reaches to the end.
 std::vector<Token> tokens_of(std::string_view text);
 
-/// The same without comments and without directives: what declares and computes.
+/// The tokens without comments and directives.
 std::vector<Token> code_tokens(const std::vector<Token>& all);
 
-/// `line:column` of a place in a text, from 1.
+/// `line:column` of an offset in a text, both from 1.
 std::string place_in(std::string_view text, std::size_t offset);
 
 struct Parameter {
     enum class Way { in, out, inout };
     Way way = Way::in;
-    std::string type;  ///< `vec3`; with brackets where it is an array
-    std::string name;  ///< empty where it has none
+    std::string type;  ///< `vec3`; with brackets if it is an array
+    std::string name;  ///< empty if it has none
 };
 
 struct Function {
     std::string type, name;
     std::vector<Parameter> parameters;
-    std::size_t line = 0, column = 0;  ///< of its name
+    std::size_t line = 0, column = 0;  ///< position of its name
 
     /// `float sphere(vec3 ro, vec3 rd, vec4 s)`
     [[nodiscard]] std::string words() const;
 };
 
-/// Every function with a body, in the order of the file. `code` is what `code_tokens` gives.
+/// Every function with a body, in the order of the file. `code` are the tokens that `code_tokens` returns.
 std::vector<Function> functions_of(const std::vector<Token>& code);
 
 /// A loop that the file bounds by a whole number, or not at all.
 struct CountedLoop {
-    static constexpr long long endless = 1'000'000'000'001;  ///< more than any that is bounded
+    static constexpr long long endless = 1'000'000'000'001;  ///< above the count of any bounded loop
 
     std::size_t line;
-    long long most;      ///< times it runs
-    long long together;  ///< the same times those of the loops that it stands in
+    long long most;      ///< largest number of iterations
+    long long together;  ///< that number times those of the enclosing loops
 };
 
-/// The loops that begin at, or are compared with, a whole number, and those without an end. `all` are the tokens of the
-/// file, `code` what `code_tokens` gives.
+/// The loops that begin at or are compared with a whole number, and the loops without an end. `all` are the tokens of
+/// the file, `code` those that `code_tokens` returns.
 std::vector<CountedLoop> loops_of(const std::vector<Token>& all, const std::vector<Token>& code);
 
 }  // namespace lostbits::intersect::shader

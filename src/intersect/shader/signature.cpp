@@ -15,7 +15,7 @@ std::string lower(std::string text) {
     return text;
 }
 
-/// How others write the points of solids, by the names of their keys.
+/// Other spellings of the points of primitives, by the names of their keys: parts of a name, and whole names.
 constexpr struct {
     std::string_view key;
     std::array<std::string_view, 3> parts;
@@ -33,15 +33,15 @@ bool is_named(const Key& key, const std::string& name) {
     return !name.empty() && (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end());
 }
 
-/// The key of a shape that has that name and so many numbers; null: none.
+/// The key of a shape with that name and that many numbers; null if there is none.
 const Key* key_named(const ShapeRow& row, const std::string& name, std::size_t numbers) {
     const auto key =
         std::ranges::find_if(row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
     return key == row.keys.end() ? nullptr : &*key;
 }
 
-/// What a name of a vec3 says of it, as an expression; empty: nothing. The keys of `shape` go before all else: a
-/// capsule has a `start`, and a triangle may have a `p0`.
+/// The expression that the name of a vec3 stands for; empty if the name says nothing. The keys of `shape` take
+/// precedence: a capsule has a `start`, and a triangle may have a `p0`.
 std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
     const std::string name = lower(named);
     if (const Key* key = shape == nullptr ? nullptr : key_named(*shape, name, 3)) return variable_of(key->name);
@@ -61,7 +61,8 @@ std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
     return {};
 }
 
-/// Roles in the order in which shader sites write them, replaced by what the names say where each is named once.
+/// The roles of the vectors: the usual order of shader sites, or the order that the names give if they name each role
+/// once.
 std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> usual,
                                   const ShapeRow* shape) {
     std::vector<std::string> named;
@@ -75,7 +76,7 @@ std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, 
     return usual;
 }
 
-/// The keys of so many numbers.
+/// Number of keys that have this many numbers.
 std::size_t count_of(const ShapeRow& row, std::size_t numbers) {
     return static_cast<std::size_t>(std::ranges::count(row.keys, numbers, &Key::count));
 }
@@ -84,7 +85,7 @@ bool contains_any(const std::string& name, std::initializer_list<std::string_vie
     return std::ranges::any_of(parts, [&](std::string_view part) { return name.find(part) != std::string::npos; });
 }
 
-/// Sorts the parameters of one function.
+/// Reads the signature of one function from its parameters.
 class Reader {
 public:
     Reader(const Function& function, bool named) : named_(named) { found_.function = function; }
@@ -109,13 +110,13 @@ public:
     }
 
 private:
-    /// `vec3` as the function writes it: dvec3, float3.
+    /// A type such as `vec3` in the function's spelling: dvec3 in doubles, float3 in HLSL.
     [[nodiscard]] std::string typed(const std::string& type) const {
         return of_hlsl_ ? "float" + type.substr(3) : (found_.doubles ? "d" : "") + type;
     }
     [[nodiscard]] std::string scalar() const { return found_.doubles ? "double" : "float"; }
 
-    /// False for what an intersector does not take.
+    /// Assigns a parameter to its kind. False if no intersector takes such a parameter.
     bool sort(const Parameter& p, std::size_t k) {
         if (p.type.find('[') != std::string::npos || p.name.find('[') != std::string::npos) return false;
         if (p.way != Way::in) {
@@ -131,10 +132,10 @@ private:
         return true;
     }
 
-    /// A length of the solid, or where the ray begins or ends.
+    /// Takes a number as a length of the primitive, or as the beginning or the end of the ray.
     bool take_number(const Parameter& p, std::size_t k) {
         const std::string name = lower(p.name);
-        // A torus has a `minor_radius`, which is no minimum.
+        // Keys first: the `minor_radius` of a torus contains "min" and is not a minimum.
         if (std::ranges::any_of(shape_rows, [&](const ShapeRow& row) { return key_named(row, name, 1) != nullptr; })) {
             lengths_.push_back(k);
             return true;
@@ -152,8 +153,8 @@ private:
         return true;
     }
 
-    /// The shape that has as many points and lengths as the function beside `own` vectors: of several the one whose
-    /// keys have the names of parameters, else the first.
+    /// Chooses the shape that has as many points and lengths as the function has beside `own` vectors. If several do,
+    /// the one all of whose keys are names of parameters, or else the first.
     bool choose_shape(std::size_t own) {
         if (vectors_.size() < own || (whole_ && vectors_.size() > own)) return false;
         const auto is_parameter = [this](const Key& key) {
@@ -169,7 +170,8 @@ private:
         return shape_ != nullptr;
     }
 
-    /// How many vectors are numbers of the solid, and so what the others are.
+    /// Decides between intersector, march and field: it follows from the number of vectors that belong to the
+    /// primitive.
     bool take_kind() {
         using Kind = Signature::Kind;
         const std::size_t vectors = vectors_.size();
@@ -198,7 +200,7 @@ private:
         for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = roles[k];
     }
 
-    /// The numbers of the solid, and where its points usually stand among the vectors.
+    /// Takes the lengths of the primitive, and inserts its points among the vectors where they usually stand.
     void add_solid(std::vector<std::string>& usual) {
         found_.shape = shape_->shape;
         std::vector<std::string> points;
@@ -212,7 +214,7 @@ private:
         if (whole_) return;
         std::ptrdiff_t before = std::ssize(usual);
         if (points.size() == 1 && !lengths_.empty()) {
-            // A centre stands in front of its radius.
+            // A centre comes right before its radius.
             const std::size_t centre = lengths_[0] == 0 ? vectors_.back() : lengths_[0] - 1;
             before = std::min<std::ptrdiff_t>(before, std::ranges::find(vectors_, centre) - vectors_.begin());
         }
@@ -238,8 +240,8 @@ private:
     bool named_, of_hlsl_ = false;
     Signature found_;
     std::vector<std::string> arguments_;
-    std::vector<std::size_t> vectors_, lengths_;  ///< places among the parameters
-    std::optional<std::size_t> whole_;            ///< of a vec4
+    std::vector<std::size_t> vectors_, lengths_;  ///< indices of parameters
+    std::optional<std::size_t> whole_;            ///< index of a vec4
     const ShapeRow* shape_ = nullptr;
 };
 
@@ -248,8 +250,7 @@ private:
 const std::string_view known_signatures =
     "`float` or `vec2 NAME(vec3 ro, vec3 rd, vec4 sphere)`, `(vec3 ro, vec3 rd, vec3 center, float radius)`, for boxes "
     "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`; for "
-    "marches "
-    "`float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
+    "marches `float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
 
 std::optional<Signature> signature_of(const Function& function, bool named) { return Reader(function, named).read(); }
 

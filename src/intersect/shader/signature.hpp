@@ -10,12 +10,11 @@
 
 namespace lostbits::intersect::shader {
 
-/// How a function that is an intersector is called. Expressions name what the program around it declares: `lb_origin`,
-/// `lb_direction`, `lb_point`, `lb_solid[k]` (k-th number of the solid), `lb_tmin` and `lb_tmax`.
+/// The call of a function that is an intersector. Its expressions use the names that the program around it declares:
+/// `lb_origin`, `lb_direction`, `lb_point`, `lb_solid[k]` (number k of the primitive), `lb_tmin` and `lb_tmax`.
 struct Signature {
-    /// What the function is: of a ray and a solid; of a ray alone, which meets solids of its own; or a field of
-    /// distances (of a point), which the program around it marches through. The first is meant where a file has
-    /// several.
+    /// intersector: takes a ray and a primitive. march: takes a ray alone and has its own primitives. field: takes a
+    /// point and returns a distance; the program around it marches. If a file has several kinds, the first counts.
     enum class Kind { intersector, march, field };
     enum class Answers { t, near_far, hit, hit_and_t, hit_and_near_far };
 
@@ -24,9 +23,9 @@ struct Signature {
     Shape shape{};
     Answers answers = Answers::t;
     bool doubles = false;                ///< written in dvec3 and double
-    bool knows_start = false;            ///< is told where the ray begins
-    bool knows_end = false;              ///< is told where the ray ends
-    std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for what it writes, k its place among all
+    bool knows_start = false;            ///< takes the beginning of the ray
+    bool knows_end = false;              ///< takes the end of the ray
+    std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for the output parameter k
     std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far
 };
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What is said of the function, and where.
+/// A property of the function, and the position where the file or the command line states it.
 struct Word {
     std::string key, value, where;
 };
@@ -28,12 +28,12 @@ std::string read_text(const fs::path& path) {
     std::ostringstream text;
     text << in.rdbuf();
     if (!in || fs::is_directory(path))
-        throw InputError(path.string() + ": cannot read; --shader takes a file of GLSL, and words after a colon");
-    if (text.str().size() > 4'000'000) throw InputError(path.string() + ": longer than 4 MB; is this a file of GLSL?");
+        throw InputError(path.string() + ": cannot be read; --shader takes a GLSL file, and options after a colon");
+    if (text.str().size() > 4'000'000) throw InputError(path.string() + ": is longer than 4 MB; is it a GLSL file?");
     return text.str();
 }
 
-/// The file and the words after it.
+/// Splits the argument into the file and the options after it.
 std::pair<std::string, std::string> split(const std::string& named) {
     std::error_code none;
     for (std::size_t end = named.size();; end = named.rfind(':', end - 1)) {
@@ -42,10 +42,10 @@ std::pair<std::string, std::string> split(const std::string& named) {
             return {named.substr(0, end), end == named.size() ? "" : named.substr(end + 1)};
         if (end == 0) break;
     }
-    throw InputError("--shader " + named + ": there is no such file; write FILE.glsl or FILE.glsl:FUNCTION");
+    throw InputError("--shader " + named + ": no such file; write FILE.glsl or FILE.glsl:FUNCTION");
 }
 
-/// Words with `separator` between them; quotation marks hold one together.
+/// Reads properties with `separator` or blanks between them; quotation marks hold one together.
 void add_words(std::string_view text, char separator, const std::string& where, std::vector<Word>& words) {
     const auto separates = [separator](char c) { return c == separator || c == ' ' || c == '\t' || c == '\r'; };
     for (std::size_t at = 0; at < text.size();) {
@@ -64,7 +64,7 @@ void add_words(std::string_view text, char separator, const std::string& where, 
     }
 }
 
-/// What the comments of the file say after `lostbits:`, to the end of the line.
+/// Reads the properties that comments of the file state after `lostbits:`, up to the end of the line.
 void add_header(const std::string& path, const std::vector<Token>& tokens, std::vector<Word>& words) {
     constexpr std::string_view mark = "lostbits:";
     for (const Token& token : tokens) {
@@ -93,8 +93,8 @@ Sentinel sentinel_of(const Word& word) {
     const auto [end, error] = std::from_chars(word.value.data(), word.value.data() + word.value.size(), above.bound);
     if (error == std::errc() && end == word.value.data() + word.value.size() && above.bound > 0) return above;
     throw InputError(word.where + ": miss is " + doors::shown_text(word.value) +
-                     "; it is negative (t < 0 says miss), crossed (near > far), zero (t <= 0), infinite, or a number "
-                     "from which on t says miss, such as 1e20");
+                     "; it must be negative (t < 0 means a miss), crossed (near > far), zero (t <= 0), infinite, or a "
+                     "number from which on t means a miss, such as 1e20");
 }
 
 std::string place(const std::string& path, const Function& f) {
@@ -111,7 +111,8 @@ std::string listed(const std::vector<Function>& functions) {
     return text;
 }
 
-/// Those of the foremost kind: a file that marches has a field too.
+/// The functions with the signature of the first kind that the file has (intersector, march, field): a file with a
+/// march has a field too.
 std::vector<Function> candidates(const std::vector<Function>& all) {
     std::vector<Function> best;
     auto kind = Signature::Kind::field;
@@ -125,11 +126,10 @@ std::vector<Function> candidates(const std::vector<Function>& all) {
     return best;
 }
 
-/// The function that is named, or else the one that has the types of an intersector.
+/// Chooses the named function, or else the only one that has the types of an intersector.
 Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
     if (all.empty())
-        throw InputError(path +
-                         ": there is no function in it; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
+        throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
     std::vector<Function> chosen = candidates(all);
     if (named) {
         chosen.clear();
@@ -137,11 +137,11 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
                              [&](const Function& f) { return f.name == named->value; });
     }
     if (chosen.empty() && named)
-        throw InputError(named->where + ": there is no function " + doors::shown_text(named->value) + " in " + path +
-                         "; there is:" + listed(all));
+        throw InputError(named->where + ": no function " + doors::shown_text(named->value) + " in " + path +
+                         "; its functions are:" + listed(all));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
-                         std::string(known_signatures) + "; there is:" + listed(all) +
+                         std::string(known_signatures) + "; the functions of the file are:" + listed(all) +
                          "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
     if (!named && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
@@ -150,11 +150,11 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
         if (auto signature = signature_of(f, named != nullptr)) return *signature;
     }
     throw InputError(place(path, chosen.front()) + ": `" + chosen.front().words() +
-                     "` has not the types of an intersector, which are " + std::string(known_signatures) +
+                     "` does not have the types of an intersector, which are " + std::string(known_signatures) +
                      "; write a function that calls it");
 }
 
-/// What is true of most functions of these types.
+/// The default contract: the properties of most functions with such a signature.
 doors::Contract usual_contract(const std::string& path, const Signature& signature) {
     doors::Contract c{.name = fs::path(path).stem().string(),
                       .title = signature.function.words(),
@@ -175,7 +175,7 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
     return c;
 }
 
-/// `shader.NAME`, of what a name may hold.
+/// Turns the name into `shader.NAME` with only the characters that a name may have, and shortens a long title.
 void name_it(doors::Contract& contract) {
     for (char& c : contract.name) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
@@ -186,20 +186,20 @@ void name_it(doors::Contract& contract) {
     if (contract.title.size() > most) contract.title = contract.title.substr(0, most) + "...";
 }
 
-/// A number above zero.
+/// Reads a number x with 0 < x < 1e30.
 double positive(const Word& word) {
     double number = 0;
     const char* const end = word.value.data() + word.value.size();
     const auto [stop, error] = std::from_chars(word.value.data(), end, number);
     if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
         throw InputError(word.where + ": " + word.key + " is " + doors::shown_text(word.value) +
-                         "; it is a number above 0");
+                         "; it must be a number above 0 and below 1e30");
     return number;
 }
 
 void set_formats(const Word& word, ShaderSource& shader) {
     if (word.value != "f32" && word.value != "f64" && word.value != "both")
-        throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it is f32, f64 or both");
+        throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it must be f32, f64 or both");
     shader.f32 = word.value != "f64";
     shader.f64 = word.value != "f32";
 }
@@ -214,23 +214,26 @@ void obey(const Word& word, ShaderSource& shader) {
     else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
     else if ((word.key == "shape" && !own_solids) || word.key == "source" ||
              !doors::set_word(shader.contract, word.key, word.value, word.where))
-        throw InputError(
-            word.where + ": unknown key " + doors::shown_text(word.key) +
-            "; known are function, name, title, direction, roots, touching, at_origin, inside, facing, flags, miss, "
-            "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
+        throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
+                         "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
+                         "facing, flags, miss "
+                         "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
+                         "own primitives "
+                         "also shape");
 }
 
-/// InputError for a function that cannot look at where rays begin and end.
+/// Throws InputError if the function does not receive where rays begin and end.
 void require_range(const std::string& path, const Signature& s) {
-    const std::string says = place(path, s.function) + ": flags=range is given, and `" + s.function.words() + "` ";
+    const std::string says = place(path, s.function) + ": flags=range is given, but `" + s.function.words() + "` ";
     if (s.kind == Signature::Kind::field)
         throw InputError(says +
-                         "is a field: the loop around it begins at 0; write the march, or leave it out, and what "
-                         "lies in the range is taken afterwards");
+                         "is a field: the loop around it begins at 0; write the march yourself, or leave range out, "
+                         "and lostbits takes the answers in the range afterwards");
     if (!s.knows_start || !s.knows_end)
-        throw InputError(says +
-                         "is not told where rays begin and end; give it `float tmin, float tmax`, or leave it out, and "
-                         "the first root in the range is taken afterwards");
+        throw InputError(
+            says +
+            "does not take where rays begin and end; add `float tmin, float tmax`, or leave range out, and "
+            "lostbits takes the first root in the range afterwards");
 }
 
 }  // namespace
@@ -269,7 +272,7 @@ ShaderSource read_shader(const std::string& named) {
     shader.f32 = !shader.signature.doubles;
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
-    if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
+    if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats only; leave format= out");
     if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;

@@ -27,8 +27,8 @@ struct Sentinel {
     [[nodiscard]] bool says_miss(double near, double far) const;
 };
 
-/// The usual loop through a field: d = map(ro + rd t); a hit where d < hit_eps, at that t; t += d; a miss where
-/// t > max_dist, and after max_steps. Defaults are those of SDF Sphere Marching (lesson P0-C1).
+/// Constants of the usual loop through a field: d = map(ro + rd t); a hit at that t if d < hit_eps; else t += d; a miss
+/// if t > max_dist, or after max_steps. The defaults are those of SDF Sphere Marching (lesson P0-C1).
 struct MarchWords {
     double hit_eps = 0.001, max_dist = 20;
     int max_steps = 64;
@@ -37,17 +37,18 @@ struct MarchWords {
 struct ShaderSource {
     std::string path, text;
     Signature signature;
-    doors::Contract contract;  ///< its `bits` are those that the file is written in
+    doors::Contract contract;  ///< its `bits` are those of the numbers in the file
     Sentinel sentinel;
-    MarchWords march;              ///< of a field
-    bool f32 = true, f64 = false;  ///< what is asked for; a file of the one is rewritten for the other
-    bool hlsl = false;             ///< by the end of its name, .hlsl; in floats alone
+    MarchWords march;              ///< used for a field
+    bool f32 = true, f64 = false;  ///< formats wanted; the file is rewritten for the one that it is not in
+    bool hlsl = false;             ///< if its name ends in .hlsl; computes in floats only
     std::vector<CountedLoop> loops;
 };
 
-/// `FILE.glsl`, or `FILE.glsl:WORDS` where WORDS, with commas between them, are a function's name and `key=value` as in
-/// comments of the file (`// lostbits: roots=first touching=miss`); those of the command line win. InputError with the
-/// place, for a file without an intersector or with several, and for words that make no sense.
+/// Reads `FILE.glsl` or `FILE.glsl:OPTIONS`. The options, with commas between them, are a function's name and
+/// properties `key=value`, which comments of the file may state too (`// lostbits: roots=first touching=miss`). Those
+/// of the command line take precedence. InputError with the position if the file has no intersector or several, or for
+/// an invalid option.
 ShaderSource read_shader(const std::string& named);
 
 }  // namespace lostbits::intersect::shader

@@ -6,7 +6,7 @@
 #include <deque>
 #include <string>
 
-#include <lostbits_widths.hpp>  // made: those that this build has
+#include <lostbits_widths.hpp>  // generated: the widths of this build
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "number/error.hpp"
@@ -19,7 +19,7 @@ constexpr std::size_t forms = form_count;
 
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-/// The rows of a width, which `fill` was compiled for: one that the machine has not is not filled.
+/// The rows of a width. `fill` was compiled for that width, so call it only on a machine that has it.
 struct RowsOfWidth {
     std::array<OwnPacksOfRow, forms> packs;
     std::array<PackedRow, forms> rows;
@@ -97,8 +97,8 @@ void set_isa(Isa isa) {
         for (const Isa other : available_isas()) can += (can.empty() ? "" : ", ") + std::string(name_of(other));
         throw EnvironmentError(
             "--isa " + std::string(name_of(isa)) +
-            ": this processor has no registers of that width, or this build no code for them; try one of " + can +
-            ", which give the same bits");
+            ": this processor has no registers of that width, or this build has no code for them; try one of " + can +
+            ", which all give the same bits");
     }
     chosen_isa() = isa;
 }
@@ -142,7 +142,7 @@ std::deque<OwnWidths>& own_packs() {
 
 PackedRow native_kernels(const table::Intersector& form) { return {form.info, form.native32, form.native64}; }
 
-/// The kernels of a row at a width; nothing where it is in no packs.
+/// The kernels of a row at a width; nothing if the row is not compiled for packs.
 std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa) {
     const auto scalar = scalar_rows();
     const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) {
@@ -159,7 +159,7 @@ std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa)
     return row;
 }
 
-/// The packed kernels of a set: those of the form for the target's shape. `own` is the set.
+/// Runs a batch on a set: by the packed kernel of the form for the target's shape. `own` is the set.
 template <class S, Isa isa>
 void run_of_set(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
     const auto& set = *static_cast<const table::Intersector*>(own);

@@ -14,7 +14,7 @@
 
 namespace lostbits::intersect::simd {
 
-/// How many rays at once: one, or as many as a register of 128, 256 or 512 bits holds.
+/// Number of rays at a time: one, or as many as a register of 128, 256 or 512 bits holds.
 enum class Isa { scalar, w128, w256, w512 };
 
 inline constexpr std::array<std::string_view, 4> isa_names{"scalar", "128", "256", "512"};
@@ -34,20 +34,20 @@ Isa best_isa();
 void set_isa(Isa isa);
 Isa current_isa();
 
-/// A form's kernels; null where the form does not exist (see `Info::formats`). Batches of any size; nothing is read or
-/// written beyond the spans.
+/// A form's kernels; null in a format in which the form does not exist (see `Info::formats`). Batches have any size;
+/// nothing is read or written beyond the spans.
 struct PackedRow {
     const Info* info;
     decltype(table::Intersector::native32) f32;
     decltype(table::Intersector::native64) f64;
 };
 
-/// Every form, in the order of `catalogue()`; `scalar` are the rows of the table themselves. Empty where `isa` is
-/// not available: calling such a kernel would be an illegal instruction.
+/// Every form, in the order of `catalogue()`; for `scalar`, the rows of the table themselves. Empty if `isa` is not
+/// available: calling such a kernel would be an illegal instruction.
 std::span<const PackedRow> packed_rows(Isa isa);
 
-/// The kernels of a row of the table, at a width that is available or at `current_isa()`. Of a row that nobody compiled
-/// for packs (a form made up by a test, a function behind a door) its own native ones.
+/// The kernels of a row of the table, at an available width or at `current_isa()`. A row that is not compiled for packs
+/// (a form that a test makes, an external function) has its own native kernels.
 PackedRow packed_kernels(const table::Intersector& form, Isa isa);
 PackedRow packed_kernels(const table::Intersector& form);
 /// True if the row is compiled for packs at that width.
@@ -58,11 +58,11 @@ struct OwnPacks {
     const Info* info;
     std::array<RawRow, 3> widths;
 };
-/// Beside `table::enroll`, before any kernel is asked for.
+/// Adds the packs of rows that `table::enroll` adds. Call it before any kernel is asked for.
 void enroll_packs(const std::vector<OwnPacks>& rows);
 
-/// `use.operator()<S>(kernel)` with the kernel of a form in a format, whose batches are stored in S. `native` are the
-/// form's kernels in float and double: packed ones, or its own.
+/// Calls `use.operator()<S>(kernel)` with the kernel of a form in a format; its batches are stored in S. `native` has
+/// the form's kernels in float and double: packed ones, or its own.
 template <class Use>
 void with_kernel(const table::Intersector& form, const PackedRow& native, const Format& format, const Use& use) {
     with_number(format, [&]<class T>() {

@@ -1,7 +1,7 @@
-// The loop around `Form::intersect` over packs: one translation unit for each register width includes it, each with its
-// own `Width` of internal linkage (see `Registers`). They see plain pointers only: an inline function of std::span or
-// of our own, compiled here under its ordinary name, could be the one that the linker keeps for everybody, on machines
-// that cannot run it. A test reads the symbols of the objects.
+// The loop around `Form::intersect` over packs. One translation unit for each register width includes it, each with its
+// own `Width` of internal linkage (see `Registers`). These units see plain pointers only. An inline function of
+// std::span or of our own, compiled here under its ordinary name, could be the copy that the linker keeps for all
+// callers, also on machines that cannot run it. A test reads the symbols of the objects.
 #pragma once
 
 #include <limits>
@@ -15,8 +15,8 @@
 
 namespace lostbits::intersect::simd {
 
-/// The least distance over the solids, as `intersect::table::Union` takes it. A function of its own: inlined where a
-/// form asks, those of all shapes were a sixth of the code of a width.
+/// The least distance over the primitives, as in `intersect::table::Union`. It is not inlined: inlined into the forms,
+/// the distances of all shapes were a sixth of the code of a width.
 template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P least_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
@@ -40,12 +40,13 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
         transformed(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 
-/// Flattened: every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`,
+/// Flattened, so every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`,
 /// packs travel through the stack, and sphere.pbrt_interval takes five times as long.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;
-    // Copies: the stores below could reach the batch itself, and everything would be read again after each.
+    // Copies: the stores below could change the batch itself, so without copies everything would be read again after
+    // each store.
     const F *const ox = batch.rays[0], *const oy = batch.rays[1], *const oz = batch.rays[2];
     const F *const dx = batch.rays[3], *const dy = batch.rays[4], *const dz = batch.rays[5], *const tmax = batch.tmax;
     F *const t = batch.t, *const near = batch.near, *const far = batch.far;
@@ -70,13 +71,13 @@ template <class Form, class F, class Width>
         hit.t.store(t + i);
         hit.near.store(near + i);
         hit.far.store(far + i);
-        // Straight into the bytes, which provide storage for bools: by way of an array of bools, every register of
-        // decisions went through the stack, a twentieth of the loop.
+        // Stored straight into the bytes, which provide storage for bools. Through an array of bools, every register of
+        // decisions went over the stack, which took a twentieth of the time of the loop.
         hit.hit.store(reinterpret_cast<bool*>(decisions + i));
     }
 }
 
-/// Null where the form does not exist in binary64.
+/// The kernels of a form; null in binary64 if the form does not exist there.
 template <class Form, class Width>
 RawRow raw_row() {
     RawRow row{packed_batch<Form, float, Width>, nullptr};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include <lostbits_widths.hpp>  // made: those that this build has
+#include <lostbits_widths.hpp>  // generated: the widths of this build
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/kernels.hpp"
@@ -18,7 +18,7 @@ struct RayNumbers {
         : numbers{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z} {}
 };
 
-/// The solids after the last whole register, in buffers of a register's size.
+/// Runs the kernel on the primitives after the last whole register, in buffers of a register's size.
 template <class F>
 [[gnu::noinline]] void run_tail(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const RawSolids<F>& all) {
     const std::size_t left = all.size % lanes, whole = all.size - left;
@@ -35,7 +35,7 @@ template <class F>
     if (all.hit) std::copy_n(hit, left, all.hit + whole);
 }
 
-/// Whole registers, then the rest.
+/// Runs the kernel on the rest, then on the whole registers.
 template <class F>
 void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ray<F>& ray, const SolidArrays<F>& solids,
                 std::span<F> t, std::span<std::uint8_t> hit) {
@@ -74,7 +74,7 @@ std::span<const ManyRow> scalar_many_rows() {
     return rows;
 }
 
-/// The rows of registers of so many bytes, which `fill` was compiled for.
+/// The rows for registers of this many bytes. `fill` was compiled for that width.
 std::array<ManyRow, form_count> rows_of(std::size_t bytes, void (*fill)(RawManyRow*)) {
     std::array<RawManyRow, form_count> raw{};
     fill(raw.data());

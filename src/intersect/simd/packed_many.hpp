@@ -6,17 +6,17 @@
 
 namespace lostbits::intersect::simd {
 
-/// n solids of one shape, a column for each of its numbers in the order of `Solid`; S is float or double.
+/// n primitives of one shape, a column for each of its numbers in the order of `Solid`; S is float or double.
 template <class S>
 struct SolidArrays {
     std::array<std::span<const S>, most_numbers> numbers;
     [[nodiscard]] std::size_t size() const { return numbers[0].size(); }
 };
 
-/// One ray against an array of solids: solid by solid, or over packs. Empty where there is none. t[i] and hit[i] (0 or
-/// 1) become the form's answers for solid i. Of a form that is told where a ray ends, t[i] is that end on the way in,
-/// the closest hit found so far or infinity; it stays where there is no hit, and `hit` is not looked at. (That is the
-/// interface of Barnes's article, part 3.)
+/// One ray against an array of primitives: one by one, or over packs. False if the form has no such kernel. t[i] and
+/// hit[i] (0 or 1) become the form's answers for primitive i. If the form takes the end of a ray, t[i] is that end on
+/// the way in (the closest hit found so far, or infinity) and stays if there is no hit, and `hit` is not used. (This is
+/// the interface of Barnes's article, part 3.)
 template <class S>
 class ManyKernel {
 public:
@@ -46,10 +46,10 @@ struct ManyRow {
     ManyKernel<double> f64;
 };
 
-/// Every form, in the order of `catalogue()`; `scalar` goes solid by solid. Empty where `isa` is not available.
+/// Every form, in the order of `catalogue()`; `scalar` runs the primitives one by one. Empty if `isa` is not available.
 std::span<const ManyRow> many_rows(Isa isa);
 
-/// The kernels at `current_isa()` of a row of the table; all null for a row that is not the table's.
+/// The kernels of a row of the catalogue at `current_isa()`; all null for any other row.
 ManyRow many_kernels(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::simd

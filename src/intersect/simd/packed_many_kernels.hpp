@@ -1,4 +1,4 @@
-// The loops over packs of solids for one ray; see packed_batch.hpp for what such a file may include.
+// The loops over packs of primitives for one ray; see packed_batch.hpp for what such a file may include.
 #pragma once
 
 #include <cstring>
@@ -12,9 +12,9 @@
 
 namespace lostbits::intersect::simd {
 
-/// The forms that may be given a box's planes in order: they ask for the sign of 1/d, which is the sign of d, the same
-/// for all boxes. (Not box.embree_fma: there the sign of a tiny d changes. Of a NaN neither sign nor order matters:
-/// every t is NaN.)
+/// The forms that may be given a box's planes in order along the ray: they choose by the sign of 1/d, which is the sign
+/// of d and the same for all boxes. box.embree_fma is not one of them, since it changes the sign of a tiny d. For a NaN
+/// neither sign nor order matters, as every t is NaN.
 template <class Form, class T>
 concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& box, const T& limit) {
     Form::intersect(ray, box, limit);
@@ -26,13 +26,13 @@ template <class Form, class F, class Width>
     using P = Pack<F, Width>;
     constexpr bool in_order = TakesOrderedBox<Form, P>;
     using B = std::conditional_t<in_order, box::OrderedBox<P>, Box<P>>;
-    // Whether the ray meets hi first along an axis.
+    // True if the ray meets hi first along an axis.
     const auto turns = [r = batch.ray](int axis) { return in_order && __builtin_signbit(r[3 + axis]); };
     const bool turned[3] = {turns(0), turns(1), turns(2)};
     const auto column = [&](int k) { return batch.numbers[turned[k % 3] ? (k + 3) % 6 : k]; };
-    // Local pointers, each read from where it was stored: no store of the loop can reach them, and a copy of the struct
-    // by wide moves waits for the narrow stores that filled it, which with dead stores in the loop made 256 boxes 8 %
-    // slower than the loop by hand.
+    // Local pointers, which no store of the loop can change, each read from the batch by itself. A copy of the struct
+    // by wide moves would wait for the narrow stores that filled it. Together with dead stores in the loop that made
+    // 256 boxes 8 % slower than the loop by hand.
     const F *const first_x = column(0), *const first_y = column(1), *const first_z = column(2);
     const F *const second_x = column(3), *const second_y = column(4), *const second_z = column(5);
     F* const t = batch.t;
@@ -65,8 +65,8 @@ template <class Form, class F, class Width>
     }
 }
 
-/// Null pointers where the form marches; in binary64 where it does not exist, and of the shapes that do not come in
-/// many.
+/// The kernels of a form; null if it marches. In binary64 also null if the form does not exist there, or if the shape
+/// does not come in many.
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {

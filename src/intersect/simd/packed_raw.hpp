@@ -9,12 +9,12 @@
 
 namespace lostbits::intersect::simd {
 
-/// The target of a form.
+/// The target of a form as plain pointers.
 template <class F>
 struct RawTarget {
-    const F* numbers;            ///< `most_numbers` a solid, in the order of `Solid`
-    const std::uint8_t* shapes;  ///< of each solid, as `Shape` counts them
-    std::size_t solids;          ///< one for the forms of a sphere or a box
+    const F* numbers;            ///< `most_numbers` for each primitive, in the order of `Solid`
+    const std::uint8_t* shapes;  ///< the shape of each primitive, as a number of `Shape`
+    std::size_t solids;          ///< their number; one for a form that does not march
     MarchConstants<F> march;     ///< for the forms that march
 };
 
@@ -22,14 +22,14 @@ struct RawTarget {
 template <class F>
 struct RawBatch {
     const F* rays[6];  ///< ox, oy, oz, dx, dy, dz
-    const F* tmax;     ///< where each ray ends; null: nowhere
+    const F* tmax;     ///< end of each ray; null if none has one
     const RawTarget<F>* target;
     F *t, *near, *far;
     std::uint8_t* hit;
     std::size_t size;
 };
 
-/// One ray against whole packs of solids, structure of arrays: `size` is a multiple of the lanes.
+/// One ray against whole packs of primitives, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawSolids {
     const F* ray;                    ///< ox, oy, oz, dx, dy, dz
@@ -39,9 +39,9 @@ struct RawSolids {
     std::size_t size;
 };
 
-/// The shapes of which one ray is asked about many at once in binary64 too: the spheres of a flake, the boxes of a
-/// hierarchy. Many of the others come in sweeps over every float of a solid's number alone, in binary32, which take
-/// four to seven times as long without a kernel.
+/// True for the shapes that have kernels for many primitives in binary64 too: spheres, as in a flake, and boxes, as in
+/// a hierarchy. The other shapes come in many only in sweeps over every float of a primitive's number, in binary32.
+/// Without a kernel such a sweep takes four to seven times as long.
 constexpr bool come_in_many(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
 struct RawManyRow {
@@ -54,11 +54,12 @@ struct RawRow {
     void (*f64)(const RawBatch<double>&);
 };
 
-/// One function a register width, each in an object of its own: fills a row for each form, in the order of the tables.
+/// One function for each register width, each in its own object. It fills a row for each form, in the order of the
+/// tables.
 void fill_packed_w128(RawRow* rows);
 void fill_packed_w256(RawRow* rows);
 void fill_packed_w512(RawRow* rows);
-/// The same for many solids.
+/// The same for many primitives.
 void fill_many_w128(RawManyRow* rows);
 void fill_many_w256(RawManyRow* rows);
 void fill_many_w512(RawManyRow* rows);

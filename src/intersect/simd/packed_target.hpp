@@ -1,4 +1,4 @@
-// A batch and its target as the kernels of packed_raw.hpp read them, and the rays that fill no register.
+// Converts a batch and its target for the kernels of packed_raw.hpp, and runs the rays that do not fill a register.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ template <class F>
 class FlatTarget {
 public:
     explicit FlatTarget(const Target<F>& target) {
-        // One solid needs no copy, and its batches no memory: its numbers lie in a row as they are.
+        // One primitive needs neither a copy nor memory: its numbers are contiguous already.
         if (target.solids.size() == 1) {
             raw_.numbers = target.solids.front().numbers.data();
             raw_.shapes = reinterpret_cast<const std::uint8_t*>(&target.solids.front().shape);
@@ -40,7 +40,7 @@ private:
     RawTarget<F> raw_{};
 };
 
-/// `size` rays from ray i on.
+/// The part of a batch with `size` rays from ray i on.
 template <class F>
 RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target, const table::HitBatch<F>& hits,
                       std::size_t i, std::size_t size) {
@@ -58,19 +58,19 @@ RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target
 template <class F>
 using RawKernel = void (*)(const RawBatch<F>&);
 
-/// A register's worth of one column, of the widest registers.
+/// The numbers of one column that fill a register; there is space for the widest registers.
 template <class F>
 struct RegisterColumn {
     F lanes[64 / sizeof(F)];
 
-    /// The `left` numbers after the last whole register. Empty lanes repeat the last of them, so that no form loops
-    /// longer on account of a ray that nobody asked for.
+    /// Copies the `left` numbers after the last whole register. The other lanes repeat the last of them, so that no
+    /// form loops longer because of a ray that is not in the batch.
     void fill(const F* from, std::size_t left, std::size_t width) {
         for (std::size_t k = 0; k < width; ++k) lanes[k] = from[std::min(k, left - 1)];
     }
 };
 
-/// Fewer rays than fill a register, in buffers of a register's size.
+/// Runs fewer rays than fill a register, in buffers of a register's size.
 template <class F>
 void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     RegisterColumn<F> rays[6], tmax, t, near, far;
@@ -98,7 +98,7 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     std::copy_n(hit, rest.size, rest.hit);
 }
 
-/// A batch of any size by a kernel of whole registers of `lanes` numbers.
+/// Runs a batch of any size by a kernel for whole registers of `lanes` numbers.
 template <class F>
 void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>& rays, const Target<F>& target,
                 const table::HitBatch<F>& hits) {
@@ -108,13 +108,13 @@ void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>
     if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
 }
 
-/// A kernel of whole registers and how many numbers they hold: what a kernel of the table needs of its own.
+/// A kernel for whole registers, and their number of lanes: the data behind a kernel of the table.
 template <class F>
 struct OwnPack {
     RawKernel<F> kernel = nullptr;
     std::size_t lanes = 0;
 
-    /// Refers to this, which outlives it.
+    /// The kernel of the table. It refers to this object, which must outlive it.
     [[nodiscard]] table::Kernel<F> bound() {
         if (!kernel) return nullptr;
         return {[](void* own, const auto& rays, const auto& target, const auto& hits) {
@@ -125,7 +125,7 @@ struct OwnPack {
     }
 };
 
-/// A form over packs, in registers of so many bytes.
+/// A form over packs, in registers of one size.
 struct OwnPacksOfRow {
     OwnPack<float> f32;
     OwnPack<double> f64;

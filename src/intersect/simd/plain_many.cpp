@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <lostbits_widths.hpp>  // made: those that this build has
+#include <lostbits_widths.hpp>  // generated: the widths of this build
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
 
@@ -11,7 +11,7 @@ namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
 #ifdef LOSTBITS_HAS_W256
-    // Filling them takes those registers too.
+    // Filling the rows runs code that was compiled for these registers.
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {

@@ -1,6 +1,5 @@
-// One ray against many boxes by the simplest loop: a form's scalar source for each box in turn,
-// left to the compiler to vectorise, with the instructions that the packs have. What packs are worth is measured
-// against it.
+// One ray against many boxes by the simplest loop: a form's scalar source for each box in turn. The compiler may
+// vectorise it with the instructions that the packs use. It is the baseline that shows what packs gain.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +9,7 @@
 
 namespace lostbits::intersect::simd {
 
-/// lo x, y, z, hi x, y, z.
+/// A box: lo x, y, z, hi x, y, z.
 struct PlainBox {
     float numbers[6];
 };
@@ -22,11 +21,13 @@ struct PlainRow {
     void (*structs)(const float* ray, const PlainBox* boxes, float* t, std::size_t n);
 };
 
-/// The box forms, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction), but for those that call
-/// wider arithmetic on some rays: no loop over them is vectorised. Empty where this build or this processor has none.
+/// The box forms, in the order of the catalogue, compiled at -O3 with AVX2 and FMA and without contraction. Forms that
+/// call wider arithmetic on some rays are left out, since no loop over them is vectorised. Empty if this build or this
+/// processor has none.
 std::span<const PlainRow> plain_rows();
 
-/// The translation unit with those flags; fills a row for each box form, but for `info`; null where there is no loop.
+/// Fills a row for each box form, except `info`; null for a form without a loop. It is in the translation unit with
+/// those flags.
 void fill_plain_w256(PlainRow* rows);
 
 }  // namespace lostbits::intersect::simd

@@ -1,11 +1,11 @@
-// The plain loops; see packed_kernels.hpp for what such a file may include and why everything is inlined.
+// The plain loops. packed_batch.hpp says what such a file may include and why everything is inlined.
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/plain_many.hpp"
 
 namespace lostbits::intersect::simd {
 namespace {
 
-/// Nobody else writes what these point to: that is all the help that the compiler gets.
+/// The compiler gets no help to vectorise beyond __restrict: nothing else writes to what these pointers point to.
 template <class Form>
 [[gnu::flatten]] void by_columns(const float* ray, const float* const* columns, float* __restrict t, std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
@@ -29,8 +29,9 @@ template <class Form>
     }
 }
 
-/// What it calls and does not inline would carry an ordinary name here, and the linker may keep these instructions for
-/// every caller, on processors without them too: gcc makes local clones of it, clang 14 does not.
+/// True if the form calls wider arithmetic. Such a call is not inlined and would have an ordinary name in this unit:
+/// the linker could keep this copy for every caller, also on processors without these instructions. gcc makes local
+/// clones of the function, clang 14 does not.
 template <class Form>
 constexpr bool calls_longer_arithmetic = requires(Ray<float> ray, Box<float> box, float limit, NoWatch watch) {
     Form::intersect(ray, box, limit, watch);

@@ -1,4 +1,4 @@
-// No inverse: the ray by the adjugate matrix, and the solid det(A) times as large.
+// The method without an inverse: the ray times the adjugate matrix, and the primitive |det(A)| times as large.
 #pragma once
 
 #include "intersect/space/relative.hpp"
@@ -10,11 +10,11 @@ namespace lostbits::intersect::space {
 struct AdjugateSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "adjugate",
-        .title = "adj(A)(o - T) and adj(A) d against the solid times |det A|: no division; t kept",
-        .source = "as the truth of lostbits has it",
+        .title = "adj(A)(o - T) and adj(A) d against the primitive times |det A|: no division; t kept",
+        .source = "as in the truth of lostbits",
     };
 
-    /// The adjugate matrix stands where others have the inverse; its shift is not used.
+    /// The adjugate matrix in place of the inverse; its shift is not used.
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         const auto columns = m.adjugate();

@@ -1,5 +1,5 @@
-// As Bevy casts a ray at a mesh: the direction made unit in the space of the mesh, and the length of the way along it,
-// taken back to the world.
+// Bevy's ray cast at a mesh: the direction is normalised in the space of the mesh. The vector along it to the hit is
+// converted back to the world, and its length is t.
 #pragma once
 
 #include "intersect/space/cycles.hpp"

@@ -1,4 +1,5 @@
-// As Cycles took a ray into the space of an instance up to Blender 3.2: the direction made unit, t multiplied back.
+// The transform of Cycles into the space of an instance, up to Blender 3.2: the direction is normalised, and t is
+// divided by its former length.
 #pragma once
 
 #include "intersect/space/plain.hpp"

@@ -1,12 +1,12 @@
-// As Cycles takes a ray into the space of an instance from Blender 3.3 on: nothing is made unit, t stays what it is.
+// The transform of Cycles into the space of an instance, from Blender 3.3 on: nothing is normalised, and t is kept.
 #pragma once
 
 #include "intersect/space/embree.hpp"
 
 namespace lostbits::intersect::space {
 
-/// On processors with fused multiplications, where its inverse is made as Embree makes it: cross products by one fused
-/// operation, dot products without.
+/// As on processors with fused multiplications. There the inverse is computed as in Embree: cross products with one
+/// fused operation, dot products without.
 struct Cycles33Space : EmbreeSpace {
     static constexpr SpaceInfo info{
         .name = "cycles_3_3",
@@ -27,7 +27,7 @@ struct Cycles33Space : EmbreeSpace {
         inverse.shift = -inverse.linear(m.shift);
         return inverse;
     }
-    /// Its 8.271806E-25f is 2^-80, which is 0 in formats that do not reach it.
+    /// The constant 8.271806E-25f of Cycles is 2^-80. It is 0 in formats whose exponents do not reach it.
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
         const T k = T(1) / T(1024), k2 = k * k, k4 = k2 * k2, least = k4 * k4;

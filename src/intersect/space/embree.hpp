@@ -1,4 +1,4 @@
-// As Embree takes a ray into the space of an instance, on machines with fused multiplications.
+// The transform of Embree into the space of an instance, on machines with fused multiplications.
 #pragma once
 
 #include "intersect/space/info.hpp"
@@ -12,7 +12,7 @@ struct EmbreeSpace : SameT {
         .source = "Embree 3 and 4, common/math/affinespace.h rcp, xfmPoint, linearspace3.h inverse",
     };
 
-    /// Its det is that of the columns u·(v × w), its shift −(A⁻¹τ) by fma.
+    /// det = u·(v × w) of the columns; shift = −(A⁻¹τ) by fma.
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         const auto column = [&](int i) { return Vec<T>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };

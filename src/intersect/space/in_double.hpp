@@ -1,4 +1,4 @@
-// The steps in the next wider arithmetic of one word: of floats in double, as engines with large worlds do it.
+// The steps in the next wider arithmetic of one word: for floats in double, as in engines with large worlds.
 #pragma once
 
 #include "intersect/space/relative.hpp"
@@ -6,7 +6,7 @@
 namespace lostbits::intersect::space {
 
 /// The stored matrix and the ray are widened first, so that inverse, origin and direction are each rounded once, to the
-/// format in which the form runs. Where nothing is wider it is `relative`.
+/// format in which the form runs. If there is no wider arithmetic, it is `relative`.
 struct InDoubleSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "in_double",

@@ -13,23 +13,23 @@ struct SpaceInfo {
     std::string_view name;  ///< `pbrt` of `sphere.unified@pbrt`, unique
     std::string_view title;
     std::string_view source;
-    /// What it is given in the world: of unit directions the answer is a distance.
+    /// The directions that it takes in the world. With unit directions, t is a distance.
     Direction direction = Direction::any;
     bool normalises = false;  ///< the form receives directions of length one
 };
 
-/// What is done, in this order. What rounds in each is told apart by `measure::blame`.
+/// The steps, in this order. `measure::blame` tells the rounding errors of each step apart.
 enum class SpaceStep {
-    inverse,    ///< of the matrix that is stored the other one
-    origin,     ///< of the ray, into the space of the solid
-    direction,  ///< of the ray
-    finish,     ///< what is done to that ray: made unit, moved along itself; and to the solid
-    form,       ///< the shape's form
-    back        ///< of t, to the world
+    inverse,    ///< computes the other matrix from the stored one
+    origin,     ///< converts the origin of the ray to the space of the primitive
+    direction,  ///< converts its direction
+    finish,     ///< normalises the ray or moves it along itself; scales the primitive
+    form,       ///< runs the form of the shape
+    back        ///< converts t to the world
 };
 inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
 
-/// Both matrices, one of them as stored.
+/// Both matrices. One of them is the stored one.
 template <class T>
 struct Maps {
     Affine<T> to_world, to_object;
@@ -42,7 +42,7 @@ struct ObjectRay {
     T length, scale;
 };
 
-/// Base of the methods that do nothing more: t is the same in both spaces, as affine maps keep it.
+/// Base of the methods without a finish: t is the same in both spaces, since affine maps keep it.
 struct SameT {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
@@ -54,7 +54,7 @@ struct SameT {
     }
 };
 
-/// d' = d/|d|, each component a quotient; t = t'/|d|.
+/// Base of methods that normalise: d' = d/|d|, each component a quotient; t = t'/|d|.
 struct MadeUnit {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {

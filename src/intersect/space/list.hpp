@@ -1,4 +1,4 @@
-// The closed list of ways into the space of a solid: for each a line, and an include.
+// The closed list of transform methods: a line and an include for each.
 #pragma once
 
 #include "intersect/space/adjugate.hpp"
@@ -18,7 +18,7 @@
 
 namespace lostbits::intersect::space {
 
-/// `act.template operator()<PlainSpace>()` for each in turn.
+/// Calls `act.template operator()<PlainSpace>()` for each in turn.
 template <class Act>
 constexpr void for_each_space(const Act& act) {
     const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };

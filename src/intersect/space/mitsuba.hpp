@@ -1,4 +1,4 @@
-// As Mitsuba 3 takes a ray into the space of an instance.
+// The transform of Mitsuba 3 into the space of an instance.
 #pragma once
 
 #include "intersect/space/info.hpp"

@@ -1,5 +1,5 @@
-// As pbrt-v4 takes a ray into the space of an instance: an inverse of differences of products, and an origin that is
-// moved along the ray to the edge of its error bound.
+// The transform of pbrt-v4 into the space of an instance: an inverse from differences of products, and an origin that
+// is moved along the ray to the edge of its error bound.
 #pragma once
 
 #include "geometry/rounding_bound.hpp"
@@ -14,8 +14,8 @@ struct PbrtSpace : SameT {
         .source = "pbrt-v4, src/pbrt/util/math.h Inverse, transform.h ApplyInverse, cpu/primitive.cpp",
     };
 
-    /// For the last row (0 0 0 1) of what pbrt does for any: det = s₀ m₂₂ − s₁ m₂₁ + s₃ m₂₀ of the minors s of the
-    /// first two rows, sums and products compensated, then 1/det times each cofactor.
+    /// The inverse of pbrt, which takes any last row, for the last row (0 0 0 1): det = s₀ m₂₂ − s₁ m₂₁ + s₃ m₂₀ with
+    /// the minors s of the first two rows, sums and products compensated, then 1/det times each cofactor.
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         const Vec<T>&a = m.rows[0], &b = m.rows[1], &c = m.rows[2], &t = m.shift;
@@ -49,7 +49,7 @@ struct PbrtSpace : SameT {
         return named("d'", m.to_object.linear(d));
     }
     /// o' + dt d' with dt = |d'|·δ/(d'·d') and δ = γ(3)(|a.x o.x| + |a.y o.y| + |a.z o.z| + |τ|): no point before it is
-    /// lost, but whoever is told t is not told dt.
+    /// lost. dt is not added to the returned t.
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>& m, const Vec<T>& o, const Ray<T>& ray) {
         const T g = gamma_bound<T>(3);
@@ -65,13 +65,14 @@ struct PbrtSpace : SameT {
     }
 
 private:
-    /// a b − c d with the rounding of c d put back.
+    /// a b − c d, with the rounding error of c d added back.
     template <Number T>
     static T difference(const T& a, const T& b, const T& c, const T& d) {
         const T cd = c * d;
         return fma(a, b, -cd) + fma(-c, d, cd);
     }
-    /// Σ aᵢ bᵢ from the last on, each product and each sum with its rounding carried along, added at the end.
+    /// Σ aᵢ bᵢ from the last term on. The rounding errors of all products and sums are accumulated and added at the
+    /// end.
     template <Number T, std::size_t n>
     static T sum(const T (&a)[n], const T (&b)[n]) {
         T value = a[n - 1] * b[n - 1], rest = fma(a[n - 1], b[n - 1], -value);

@@ -1,4 +1,4 @@
-// The inverse matrix, and both products: as it is written where nothing is known of rounding.
+// The plain method, written without regard to rounding: the inverse matrix, and its products with o and d.
 #pragma once
 
 #include "intersect/space/info.hpp"

@@ -8,10 +8,10 @@ namespace lostbits::intersect::space {
 /// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawSteps {
-    const F* maps;      ///< to the world and to the solid, each three rows of four
+    const F* maps;      ///< to the world, then to the primitive, each three rows of four
     const F* world[6];  ///< ox, oy, oz, dx, dy, dz
-    F* object[6];       ///< the same in the space of the solid
-    F *length, *scale;  ///< of each ray; one of all
+    F* object[6];       ///< the same in the space of the primitive
+    F *length, *scale;  ///< a length for each ray; one scale for all
     F* told[3];         ///< t, near and far, converted back in place
     std::size_t size;
 };
@@ -26,7 +26,8 @@ struct RawSpace {
     RawWay<double> f64;
 };
 
-/// One function a register width, each in an object of its own: fills a row for each space, in the order of the list.
+/// One function for each register width, each in its own object. It fills a row for each method, in the order of the
+/// list.
 void fill_spaces_w128(RawSpace* rows);
 void fill_spaces_w256(RawSpace* rows);
 void fill_spaces_w512(RawSpace* rows);

@@ -1,13 +1,13 @@
-// The difference to where the solid stands first, then the linear part alone: what is called camera-relative where the
-// matrix is of the camera.
+// The difference to the position of the primitive first, then the linear part alone. With the matrix of a camera this
+// is called camera-relative.
 #pragma once
 
 #include "intersect/space/plain.hpp"
 
 namespace lostbits::intersect::space {
 
-/// τ − o is exact where the two are within a factor of two of each other in each component (Sterbenz), so that what the
-/// ray loses does not grow with the distance from the origin of the world.
+/// τ − o is exact if the two are within a factor of two of each other in each component (Sterbenz). So the error of the
+/// ray does not grow with the distance from the origin of the world.
 struct RelativeSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "relative",

@@ -1,15 +1,15 @@
-// The transpose in place of the inverse: of rotations alone.
+// The transpose in place of the inverse, which is right for rotations only.
 #pragma once
 
 #include "intersect/space/relative.hpp"
 
 namespace lostbits::intersect::space {
 
-/// Aᵀ = A⁻¹ of a rotation; of a rounded one to a few u, and of any other matrix it is another map.
+/// Aᵀ = A⁻¹ for a rotation. For a rounded rotation it holds to a few u; for any other matrix Aᵀ is a different map.
 struct RigidSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "rigid",
-        .title = "A^T for A^-1: right of rotations alone; o - T first, t kept",
+        .title = "A^T for A^-1: right for rotations only; o - T first, t kept",
         .source = "Eberly, Geometric Tools, rigid transforms; Lengyel, Foundations of Game Engine Development, 2016",
     };
 

@@ -26,7 +26,7 @@ constexpr StepsIn<T> steps() {
     return {maps_of<L, T>, L::template origin<T>, L::template direction<T>, L::template finish<T>, L::template back<T>};
 }
 
-/// A stored number in the arithmetic, and back.
+/// Converts stored numbers to the arithmetic, and back.
 template <class T, class S>
 Vec<T> lifted(S x, S y, S z) {
     return {T(x), T(y), T(z)};
@@ -42,7 +42,7 @@ Ray<T> world_ray(const RayBatch<S>& rays, std::size_t i) {
     return {lifted<T>(rays.ox[i], rays.oy[i], rays.oz[i]), lifted<T>(rays.dx[i], rays.dy[i], rays.dz[i])};
 }
 
-/// Where a way stands in the list.
+/// Index of a transform method in the list.
 template <class L>
 constexpr std::size_t place_of() {
     std::size_t place = 0, k = 0;
@@ -58,13 +58,14 @@ constexpr std::size_t space_count = [] {
     return count;
 }();
 
-/// The steps of a width that this machine has, and how many bytes it has; none of `scalar`.
+/// The steps compiled for a register width, and its size in bytes.
 struct Packs {
     std::array<RawSpace, space_count> rows{};
     std::size_t bytes = 0;
 
     Packs(void (*fill)(RawSpace*), std::size_t size) : bytes(size) { fill(rows.data()); }
 };
+/// The packs of a width that this machine has; null for `scalar`.
 const Packs* packs_of(simd::Isa isa) {
     static const Packs w128(fill_spaces_w128, 16);
 #if defined(__x86_64__)
@@ -80,8 +81,8 @@ const Packs* packs_of(simd::Isa isa) {
     return isa == simd::Isa::scalar ? nullptr : &w128;
 }
 
-/// `act(way, steps)` on as many of the rays as whole packs hold, in the registers of this run; how many they are. The
-/// others are left, and all of an arithmetic that has no registers.
+/// Calls `act(way, steps)` on the rays that fill whole packs of the current width, and returns their number. The rest
+/// is left to the caller; in an arithmetic without registers, that is all of them.
 template <class L, class T, class S, class Act>
 std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Act& act) {
     if constexpr (std::same_as<T, S>) {
@@ -136,7 +137,8 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
 template <class L, class T, class S>
 void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& in, const HitBatch<S>& hits) {
     const std::size_t done = in_packs<L>(maps, rays, [&](const auto& way, auto& steps) {
-        // What is read is not written: the one pointer is that of `to_object`.
+        // These columns are only read here. Their pointers are not const because `to_object` writes through the same
+        // struct.
         for (std::size_t k = 0; k < in.ray.size(); ++k) steps.object[k] = const_cast<S*>(in.ray[k].data());
         steps.length = const_cast<S*>(in.length.data());
         steps.scale = const_cast<S*>(&in.scale);

@@ -14,7 +14,7 @@
 
 namespace lostbits::intersect::space {
 
-/// Rays in the space of a solid, structure of arrays.
+/// Rays in the space of a primitive, structure of arrays.
 template <class S>
 struct ObjectColumns {
     std::array<std::vector<S>, 6> ray;
@@ -22,7 +22,7 @@ struct ObjectColumns {
     S scale;
 };
 
-/// The steps over one number.
+/// The steps in one arithmetic.
 template <class T>
 struct StepsIn {
     Maps<T> (*maps)(const Placement<T>&);
@@ -36,16 +36,16 @@ struct StepsIn {
     }
 };
 
-/// Whole batches against one matrix: the same bits as ray by ray.
+/// The steps for whole batches against one matrix, with the same bits as ray by ray.
 template <class T, class S>
 struct BatchIn {
     Maps<T> (*maps)(const Placement<T>&);
     void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
-    /// The answers of the form, in place.
+    /// Converts the answers of the form in place.
     void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
 };
 
-/// Places on a tape: what a way into the space of a solid begins with, and what the form is given there.
+/// Nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` those of the form behind it.
 struct WorldNodes {
     std::array<NodeId, 6> ray;
     std::array<NodeId, Affine<double>::numbers> matrix;
@@ -55,7 +55,7 @@ struct ObjectNodes {
     std::array<NodeId, 6> ray;
     NodeId length, scale;
 };
-/// Records the form behind what is on the tape, and returns its outputs.
+/// Records the form after the steps that are on the tape, and returns its outputs.
 using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
 
 struct Space {
@@ -69,11 +69,11 @@ struct Space {
     BatchIn<float, float> batch32;
     BatchIn<double, double> batch64;
     BatchIn<RoundedAny, double> batch_rounded;
-    /// Every operation behind what is on the tape, with those of the form in their place, in a format.
+    /// Appends every operation of the method to the tape, in a format, with those of the form where it runs.
     void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
 };
 
-/// The steps of a space in the number of a format.
+/// The steps of a method in the arithmetic of a format.
 template <class T>
 const StepsIn<T>& steps_in(const Space& space) {
     if constexpr (std::same_as<T, float>) return space.f32;
@@ -81,7 +81,7 @@ const StepsIn<T>& steps_in(const Space& space) {
     else return space.rounded;
 }
 
-/// In the order of the list.
+/// All methods, in the order of the list.
 std::span<const Space> spaces();
 /// The default method.
 const Space& usual_space();

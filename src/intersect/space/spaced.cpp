@@ -36,7 +36,8 @@ Solid<S> object_of(const Solid<S>& solid, const S& scale) {
     return scale == S(1) ? object : scaled(object, scale);
 }
 
-/// One batch against one solid: the rays into columns, the form there, its answers back.
+/// Runs a batch: takes the rays to the space of the primitive, asks the form there, and converts its answers back. All
+/// rays share one primitive, or each ray is a batch of its own.
 template <class T, class S, class Kernel>
 void ask(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S>& rays, const Target<S>& target,
          const HitBatch<S>& hits) {
@@ -83,7 +84,7 @@ void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& r
     ask(of(own).space->batch_rounded, kernel, rays, target, hits);
 }
 
-/// In an enclosure. A determinant that is not known to differ from 0 leaves all open.
+/// Runs in an enclosure. If the determinant is not known to differ from 0, the answer stays open.
 template <auto of_steps, auto kernel, class E>
 Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
     const Made row = of(own);
@@ -98,7 +99,7 @@ Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
             steps.back(maps, ray, in, hit.far)};
 }
 
-/// `inside(ray, target, tmax, tape)` records the form in the space of the solid.
+/// Records the steps and the form. `inside(ray, target, tmax, tape)` records the form in the space of the primitive.
 template <class Inside>
 void record_with(const Made& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
                  Tape& tape, const Inside& inside) {
@@ -185,7 +186,8 @@ void fill(Rows::Made& made) {
     made.title = text(form.title, "; ", space.title);
     made.source = text(form.source, "; ", space.source);
     made.tell_as(form);
-    // A form for unit directions gets them from a way that makes them unit; else those of the world are unit.
+    // A transform method that normalises gives the form unit directions, so its own requirement alone counts. With any
+    // other, the form's requirement counts too.
     if (space.normalises) made.info.direction = space.direction;
     else if (space.direction == Direction::unit) made.info.direction = Direction::unit;
     const Intersector& inner = *of_form;
@@ -206,10 +208,9 @@ const Intersector& through(const Space& space, const Intersector& form) {
     const std::string name(form.info->name);
     if (!is_solid(form.shape))
         throw InputError(name + "@" + std::string(space.info->name) +
-                         ": a form that marches is asked about all solids at once, and none of them has a space of its "
-                         "own");
+                         ": a form that marches takes all primitives at once and in the world; leave @SPACE out");
     if (form.is_set() || form.is_placed)
-        throw InputError(name + "@" + std::string(space.info->name) + ": name a space after each form");
+        throw InputError(name + "@" + std::string(space.info->name) + ": write one @SPACE after each form");
     return rows().row_of({&space, &form}, fill);
 }
 

@@ -1,5 +1,4 @@
-// Forms through a way into the space of their solid, as rows of the table: what a scene of solids under matrices is
-// measured by.
+// Forms with a transform method, as rows of the table. Scenes with primitives under matrices are measured by them.
 #pragma once
 
 #include "intersect/space/space.hpp"
@@ -16,7 +15,7 @@ struct Made {
     const Space* space;
     const table::Intersector* form;
 };
-/// Nulls for a row that was not made here.
+/// The parts of a row; nulls if it was not made here.
 Made made_of(const table::Intersector& row);
 
 }  // namespace lostbits::intersect::space

@@ -1,4 +1,4 @@
-// The ways into the space of a solid in registers of one width; compiled once for each.
+// The transform methods in registers of one width. Compiled once for each width.
 #include "intersect/space/list.hpp"
 #include "intersect/space/raw_steps.hpp"
 #include "number/wide/wide_pack.hpp"
@@ -24,7 +24,7 @@ Ray<P> ray_at(const Columns& columns, std::size_t i) {
 template <class L, class F>
 [[gnu::flatten]] void to_object(const RawSteps<F>& raw) {
     using P = Pack<F, Width>;
-    const RawSteps<F> steps = raw;  // a copy: the stores below could reach it
+    const RawSteps<F> steps = raw;  // a copy, which the stores below cannot change
     const Maps<P> maps = maps_from<P>(steps.maps);
     F scales[P::lanes] = {};
     for (std::size_t i = 0; i < steps.size; i += P::lanes) {

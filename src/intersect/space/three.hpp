@@ -1,5 +1,5 @@
-// As three.js raycasts a mesh: the direction made unit in the space of the mesh, and the distance of the point that was
-// found there, taken back to the world.
+// The ray cast of three.js at a mesh: the direction is normalised in the space of the mesh, and t is the distance of
+// the hit point after it is converted back to the world.
 #pragma once
 
 #include "intersect/space/cycles.hpp"

@@ -1,4 +1,5 @@
-// The difference to where the solid stands, and the product with the inverse, in two words of the format, rounded once.
+// The difference to the position of the primitive and the product with the inverse, in two words of the format and
+// rounded once.
 #pragma once
 
 #include "intersect/space/relative.hpp"
@@ -6,7 +7,8 @@
 
 namespace lostbits::intersect::space {
 
-/// The inverse too: of the stored matrix in two words, which are thrown away at the end alone.
+/// The inverse of the stored matrix is computed in two words as well. The second word is dropped only at the end of
+/// each step.
 struct TwoWordsSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "two_words",
@@ -14,7 +16,8 @@ struct TwoWordsSpace : SameT {
         .source = "two words after Dekker 1971 and Joldes, Muller and Popescu 2017",
     };
 
-    /// What it leaves behind is the rounded inverse alone: the steps below find theirs anew.
+    /// The rounded inverse. If the matrix to the world is the stored one, the steps below do not use it: each inverts
+    /// that matrix in two words.
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         if constexpr (stands_for_exact<T>) return adjugate_over_determinant(m);

@@ -1,13 +1,14 @@
-// As Unreal Engine takes a position into the space of a primitive from 5.4 on: the world in two floats, the matrix
-// relative to where the primitive stands.
+// The transform of Unreal Engine into the space of a primitive, from 5.4 on: world positions in two floats, the matrix
+// relative to the position of the primitive.
 #pragma once
 
 #include "intersect/space/in_double.hpp"
 
 namespace lostbits::intersect::space {
 
-/// On the processor, in double: `PositionHigh` is τ in float, and M with τ less by it is inverted and rounded to float.
-/// In a shader: o − PositionHigh, then that matrix. A stored τ is a float, so that nothing is left of it in the matrix.
+/// On the processor, in double: `PositionHigh` is τ rounded to float. It is subtracted from τ in M, and that matrix is
+/// inverted and rounded to float. In a shader: o − PositionHigh, then that matrix. The stored τ is a float here, so the
+/// difference is 0.
 struct UnrealSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "unreal",

@@ -1,4 +1,4 @@
-// A form in each family of arithmetic: what the rows of the table point to.
+// The functions of a form in each kind of arithmetic, to which the rows of the table point.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,9 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
     intersect_batch<RoundedAny>(ask, marches<Form>, rays, target, hits);
 }
 
-/// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t of a ray and a solid of doubles, which
-/// is less than 2^1026/2^-1074 (lengths over the smallest direction). A `Ball` says nothing above 2^1000.
+/// The end of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
+/// and a primitive of doubles, which is less than 2^1026/2^-1074 (lengths over the smallest direction). A `Ball` proves
+/// nothing above 2^1000, so there 2^1000 is enough.
 template <class E>
 E unlimited() {
     const E far(0x1p1000);
@@ -72,8 +73,7 @@ MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<doubl
     return logged<Form, RoundedAny>(ray, target);
 }
 
-/// Marks where the samples of a march end, and gives its operations the names that the lesson SDF Sphere Marching has
-/// for them.
+/// Marks the end of each sample of a march, and gives its operations the names of the lesson SDF Sphere Marching.
 struct SampleMarks : sdf::Unwatched {
     void operator()(const RecordedMask& /*active*/, const Recorded& t, const Vec<Recorded>& p,
                     const Recorded& d) const {
@@ -86,19 +86,19 @@ struct SampleMarks : sdf::Unwatched {
     }
 };
 
-/// A form over `Recorded`: one function for every recorder and format.
+/// A form over `Recorded`: the same function for every recorder and format.
 using AskRecorded = AskTarget<Recorded, SampleMarks>;
 template <class Form>
 inline constexpr AskRecorded ask_recorded = intersect_target<Form>;
 
-/// The answer of `ask` to inputs that the thread's recorder takes in the order of `input_names`.
+/// The answer of `ask`. The thread's recorder takes the inputs in the order of `input_names`.
 inline Hit<Recorded> recorded_hit(AskRecorded ask, const Ray<double>& ray, const Target<double>& target, double tmax) {
     const LiftedInputs<Recorded> in(ray, target, tmax);
     SampleMarks marks;
     return ask(in.ray, in.target.get(), in.tmax, marks, 0);
 }
 
-/// Writes what `ask()` does, which runs over `Recorded`, behind what the tape has.
+/// Appends the operations of `ask()`, which runs over `Recorded`, to the tape.
 template <class Ask>
 void taped_by(const Ask& ask, const FloatFormat& format, Tape& tape) {
     number::recorders::TapeRecorder recorder(tape, format);
@@ -117,7 +117,8 @@ void record_of(const Format& format, const Ray<double>& ray, const Target<double
     evaluate_on(ask_recorded<Form>, tape, format.parameters, ray, target, tmax);
 }
 
-/// Two samples of a march, and each refinement once or twice, are all that there is: what follows does the same again.
+/// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement: any further
+/// ones repeat the same operations.
 template <class Form>
 void record_all_of(const Target<double>& target, Tape& tape) {
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
@@ -135,7 +136,7 @@ void record_all_of(const Target<double>& target, Tape& tape) {
     tape.every_loop = false;
 }
 
-/// The answer of `ask()`, which runs over `Recorded`, with its own bounds.
+/// The answer of `ask()`, which runs over `Recorded`, with the bounds that its recorder computes.
 template <class Ask>
 std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format) {
     if (format.engine == Format::Engine::rounded) return std::nullopt;
@@ -151,7 +152,7 @@ std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>&
     return bounded_by([&] { return recorded_hit(ask_recorded<Form>, ray, target, tmax); }, format);
 }
 
-/// Whether a form takes a watch that hears of wider arithmetic.
+/// True if the form filters: it takes a watch that hears of wider arithmetic.
 template <class Form>
 inline constexpr bool filters = [] {
     if constexpr (marches<Form>) return false;
@@ -180,7 +181,7 @@ Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& t
     });
 }
 
-/// The operations of `ask(ray, target, tmax)` in binary32.
+/// Counts the operations of `ask(ray, target, tmax)` in binary32.
 template <class Ask>
 OperationCounts counted_by(const Ask& ask, const Ray<float>& ray, const Target<float>& target, float tmax) {
     const LiftedInputs<Counted<float>> in(ray, target, tmax);

@@ -1,4 +1,4 @@
-// Answers of forms that are not told the range of a ray, as whoever asks them takes what lies in it.
+// Limits the answers of forms to the range of a ray, as a caller does for forms that do not take the range themselves.
 #pragma once
 
 #include <cmath>
@@ -10,14 +10,14 @@
 
 namespace lostbits::intersect::table {
 
-/// True if a form answers for the whole primitive, its interior too: 0 from there.
+/// True if the form answers for the whole primitive, including its interior: from inside, t = 0.
 constexpr bool is_met_inside(const Info& info, Shape shape) {
     return info.inside == Inside::zero || (info.inside == Inside::usual && zero_inside(shape));
 }
 
-/// The part of a range that is held against a form's answers. Told the end of a ray a form has looked at that itself,
-/// but for an end that is open. All that lies ahead where nothing is asked: of what tells no t, of what is told the
-/// range itself, whose t beyond is its mistake and is shown as one.
+/// The range with which a form's answers are compared. It is all that lies ahead for a form that yields no t, and for
+/// one that takes the range itself: if its t lies beyond, that is its error and is shown as one. A form that takes the
+/// end of the ray has compared with it already, unless the end is open.
 template <class S>
 Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     if (info.roots == Roots::none || info.ranged) return {};
@@ -25,14 +25,16 @@ Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     return range;
 }
 
-/// The answer of a form in the range of its ray: over any number, so that a tape has these decisions as operations.
+/// The answer of a form in the range of its ray, over any number, so that a tape has these decisions as operations.
 /// `tmin` and `tmax` are the ends of `range`, which is not all that lies ahead.
 ///
-/// A form of surfaces that tells both roots has the first that lies in the range, which may be the far one; of a form
-/// that tells one root that one counts or none does, as in a renderer that asks so. A form of solids that tells near
-/// and far is met where the range and [near, far] both begin, if they have a t in common: as slabs that start with tmin
-/// in place of 0 have it. By the property of a form to which a touch is a miss so is an entry where the ray ends; one
-/// that tells the first root alone does not say whether it is an entry. A hit at NaN stays one, to be shown as that.
+/// - A form of surfaces that yields both roots: the first root in the range, which may be the far one.
+/// - A form that yields one root: that root, or a miss if it is not in the range, as in a renderer that asks so.
+/// - A form that answers for the interior and yields near and far: the later of tmin and near, if the range and
+///   [near, far] have a t in common. Slabs that start with tmin in place of 0 give the same.
+/// - If a touch is a miss by the contract, an entry at the end of the ray is a miss too. A form with roots = first is
+///   excepted: it does not say if its root is an entry.
+/// - A hit at NaN stays a hit, so that it is shown as one.
 template <class T, class S>
 Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
                 const Hit<T>& said) {
@@ -52,7 +54,7 @@ Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& t
         t = named("t_in_range", select(is_behind, solid ? tmin : said.far, said.t));
     }
     auto in = said.hit && counts;
-    // At infinity, where a root beyond every number stands, no ray ends.
+    // A ray without an end also reaches a root that overflows to infinity.
     if (range.tmax == std::numeric_limits<S>::infinity()) return {in, t, said.near, said.far};
     in = in && !(range.open.tmax ? t >= tmax : t > tmax);
     const bool open_inside = info.touching == Touching::miss && has_inside(shape);
@@ -61,7 +63,7 @@ Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& t
     return {in, t, said.near, said.far};
 }
 
-/// Takes away the answers beyond the ranges of the rays, compared in the format.
+/// Limits the answers of a batch to the ranges of its rays. The comparisons are in the format.
 template <class S>
 void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
     if (!rays.have_ranges()) return;

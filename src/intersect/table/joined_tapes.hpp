@@ -1,4 +1,4 @@
-// Tapes one behind the other.
+// Joins tapes one behind the other.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// How a form becomes a row: the loops around `Form::intersect`, once for all forms.
+// The loops around `Form::intersect` that make a row of a form, once for all forms.
 #pragma once
 
 #include <concepts>
@@ -14,8 +14,8 @@
 
 namespace lostbits::intersect::table {
 
-/// `Form::intersect` on solid `which` of a target, or on all where the form marches; `tmax` reaches the forms that take
-/// the end of a ray, `watch` those that march.
+/// Calls `Form::intersect` on primitive `which` of a target, or on all of them if the form marches. `tmax` is passed to
+/// forms that take the end of a ray, `watch` to forms that march.
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
                         std::size_t which = 0) {
@@ -25,12 +25,12 @@ Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tma
             ray, [&solid = target.solids[which]](std::size_t k) -> const T& { return solid.numbers[k]; }, tmax);
 }
 
-/// `intersect_target` of a form, for what is compiled once for all forms.
+/// Pointer to the `intersect_target` of a form, for code that is compiled once for all forms.
 template <class T, class Watch>
 using AskTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
-/// T has the stored numbers exactly, or with the one rounding that entering a narrower format costs. `ask` is
-/// `intersect_target` of a form, `marches` whether the form does.
+/// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format. `ask` is
+/// the `intersect_target` of the form; `marches` says if the form marches.
 template <class T, class S, class Ask, class Marches>
 void intersect_batch(const Ask& ask, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
                      const HitBatch<S>& hits) {

@@ -1,4 +1,4 @@
-// Rows that are made of other rows at run time, once each, and kept.
+// Rows made of other rows at run time. Each is made once and kept.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::table {
 
-/// By their parts, a tuple of pointers. Rows stay where they are; several threads may ask.
+/// The rows by their parts, a tuple of pointers. Rows do not move in memory; several threads may call.
 template <class Parts>
 class MadeRows {
 public:
@@ -20,14 +20,14 @@ public:
         Info info;
         Intersector row;
 
-        /// What it says of itself is what `like` says, but for name, title and source.
+        /// Takes the contract of `like`, but keeps its own name, title and source.
         void tell_as(const Info& like) {
             info = like;
             info.name = name, info.title = title, info.source = source;
         }
     };
 
-    /// `fill(Made&)` of a row that is new, which has its parts.
+    /// The row with these parts. If it is new, calls `fill(Made&)`; `parts` is set before.
     template <class Fill>
     const Intersector& row_of(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);
@@ -38,7 +38,7 @@ public:
         fill(made);
         return made.row;
     }
-    /// Nulls for a row that was not made here.
+    /// The parts of a row; nulls if it was not made here.
     Parts parts_of(const Intersector& row) {
         const std::lock_guard lock(mutex_);
         const auto known = std::ranges::find_if(rows_, [&row](const Made& made) { return &made.row == &row; });

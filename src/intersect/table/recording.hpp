@@ -8,9 +8,9 @@
 
 namespace lostbits::intersect::table {
 
-/// In the order in which `Intersector::record` takes them: `o.x` … `d.z`, the solids' numbers (`centre.x`, `radius`,
-/// `lo.x`; `s1.centre.x` where there are several), the constants of a march, and last where the ray ends, `ray.tmax`
-/// (forms have a `tmax` of their own).
+/// The names in the order in which `Intersector::record` takes the inputs: `o.x` … `d.z`, the numbers of the primitives
+/// (`centre.x`, `radius`, `lo.x`; `s1.centre.x` if there are several), the constants of a march, and last the end of
+/// the ray, `ray.tmax` (forms have a `tmax` of their own).
 std::vector<std::string> input_names(const Intersector& form, const Target<double>& target);
 
 }  // namespace lostbits::intersect::table

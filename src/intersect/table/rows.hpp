@@ -1,4 +1,4 @@
-// The translation units that fill the table: what runs over batches, and what is asked ray by ray.
+// The two translation units that fill the table: functions over batches, and functions for a single ray.
 #pragma once
 
 #include "intersect/catalogue.hpp"

@@ -10,11 +10,11 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-/// A set and what its row points to.
+/// A set, and the data that its row points to.
 struct Made {
     std::vector<const Intersector*> parts;
     std::string name, title, source;
-    /// In the order of `Info::by_shape`, then of the shapes.
+    /// Indexed as `Info::by_shape`, then by shape.
     std::array<std::array<Convention, all_shapes.size()>, 3> conventions;
     Info info;
     Intersector row;
@@ -25,14 +25,15 @@ Shape shape_of_target(const Target<S>& target) {
     return target.solids.front().shape;
 }
 
-/// The shape that a function of a row is asked about: that of its target.
+/// The shape that a call of one of the row's functions is about: that of the target among its arguments.
 template <class First, class... Rest>
 Shape asked_shape(const First& first, const Rest&... rest) {
     if constexpr (requires { shape_of_target(first); }) return shape_of_target(first);
     else return asked_shape(rest...);
 }
 
-/// `Which` of the row: that of the form for the target's shape, where every form of the set has it.
+/// Sets the function `Which` of the set's row, if every form of the set has it: it calls that of the form for the
+/// target's shape.
 template <auto Which, class R, class... A>
 void pass_on(Made& set, Function<R(A...)> Intersector::*) {
     if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*Which); }))
@@ -42,7 +43,7 @@ void pass_on(Made& set, Function<R(A...)> Intersector::*) {
         &set.row};
 }
 
-/// What does not filter settles every ray in its own arithmetic.
+/// The way of the form for the target's shape. A form that does not filter settles every ray in its own arithmetic.
 Way way_of_part(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
     const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
     return form.way ? form.way(format, ray, target, tmax) : Way::own;
@@ -62,7 +63,7 @@ void pass_all_on(Made& set) {
         set.row.way = {way_of_part, &set.row};
 }
 
-/// `member` of the forms where they agree on it, `otherwise` where they do not.
+/// The value of `member` if all forms of the set agree on it, else `otherwise`.
 template <class T>
 T common(const Made& set, T Info::*member, T otherwise) {
     const T first = set.parts.front()->info->*member;
@@ -133,7 +134,8 @@ bool share_a_format(const std::vector<const Intersector*>& parts) {
 std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
     const auto name = [](const Intersector* part) { return std::string(part->info->name); };
     for (const Intersector* const part : parts) {
-        if (!is_solid(part->shape)) return name(part) + " marches along the field of all solids at once; name it alone";
+        if (!is_solid(part->shape))
+            return name(part) + " marches through the field of all primitives at once; name it alone";
         const auto same = std::ranges::find(parts, part->shape, &Intersector::shape);
         if (*same != part)
             return name(*same) + " and " + name(part) + " are both for " + std::string(row_of(part->shape).plural) +
@@ -142,13 +144,14 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
     const auto bare = std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
     const auto placed = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
     if (bare != parts.end() && placed != parts.end())
-        return name(*bare) + " names no space and " + name(*placed) + " does; write one after each form, or after none";
-    if (!share_a_format(parts)) return "these forms have no format in common";
+        return name(*bare) + " has no transform and " + name(*placed) +
+               " has one; write @SPACE after each form, or after none";
+    if (!share_a_format(parts)) return "these forms have no format in common; name forms that run in the same format";
     const auto tells_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
     const auto silent = std::ranges::find_if_not(parts, tells_t), telling = std::ranges::find_if(parts, tells_t);
     if (silent == parts.end() || telling == parts.end()) return "";
-    return name(*silent) + " only says whether it hits, and " + name(*telling) +
-           " tells t: which of their solids comes first cannot be found; name forms that all tell t";
+    return name(*silent) + " yields only hit or miss, but " + name(*telling) +
+           " yields t, so the first of their primitives cannot be found; name forms that all yield t";
 }
 
 const Intersector& set_of(std::vector<const Intersector*> parts) {

@@ -1,4 +1,4 @@
-// Sets of forms, one for each of several shapes, as rows of the table: what a scene of several shapes is measured by.
+// Sets of forms, one for each of several shapes, as rows of the table. Scenes with several shapes are measured by them.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace lostbits::intersect::table {
 /// format in common. t is compared between primitives, so all forms yield it or none does.
 std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 
-/// The row `sphere.unified+box.signs` of two or more forms of different shapes, whose order does not matter. Each of
-/// its functions asks the form for the shape of the target's solid; it exists where each of them has one. Where one of
-/// them is for unit directions, all get those, and every t is a distance. Each solid's truth is by the words of its own
-/// form. Made once and kept, as enrolled rows are. InputError where `refusal_of_set` has a reason.
+/// The row `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each of its functions
+/// calls that of the form for the shape of the target; it exists if all forms have it. If one form takes unit
+/// directions, all get those, and every t is a distance. The truth of each primitive is by the contract of its own
+/// form. The row is made once and kept, as enrolled rows are. InputError if `refusal_of_set` has a reason.
 const Intersector& set_of(std::vector<const Intersector*> parts);
 
 }  // namespace lostbits::intersect::table

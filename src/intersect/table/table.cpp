@@ -30,9 +30,9 @@ void enroll(const std::vector<Intersector>& rows) {
         if (std::ranges::any_of(all_rows(), same))
             throw InputError(
                 std::string(row.info->name) +
-                ": two forms have this name, of two libraries, of one that is named twice, or of one and "
-                "lostbits; load one of them, or give its library a name: --plugin new=PATH calls its forms "
-                "new.FORM");
+                ": two forms have this name; they come from two libraries, from one that is named twice, or from a "
+                "library and lostbits; load one of them, or add a prefix to the names of a library: --plugin new=PATH "
+                "calls its forms new.FORM");
         all_rows().push_back(row);
     }
 }

@@ -1,5 +1,5 @@
-// The run-time table: a form in every arithmetic as plain functions over batches of rays. Nothing above this header
-// knows whether a row was compiled from our templates.
+// The run-time table: each form in every arithmetic, as plain functions over batches of rays. Code that uses this
+// header does not know if a row was compiled from our templates.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ namespace lostbits::intersect::table {
 template <class S>
 struct RayBatch {
     std::span<const S> ox, oy, oz, dx, dy, dz;
-    /// Where each ray ends, for the shapes whose forms are told (boxes); empty: nowhere. Where a range begins no form
-    /// is told: whoever asks takes what lies in it (`keep_in_range`).
+    /// The end of each ray, for shapes whose forms take it (boxes); empty if no ray has an end. Forms do not take the
+    /// beginning of a range: the caller keeps the answers that lie in it (`keep_in_range`).
     std::span<const S> tmax = {};
     std::span<const S> tmin = {};
     OpenEnds open = {};
@@ -41,20 +41,20 @@ struct RayBatch {
     }
 };
 
-/// Where the answers go: as many of each as rays. `hit` is 0 or 1.
+/// The answers: as many of each as rays. `hit` is 0 or 1.
 template <class S>
 struct HitBatch {
     std::span<S> t, near, far;
     std::span<std::uint8_t> hit;
-    /// How each march went, for the forms that march; empty: not asked for.
+    /// A record of each march, for forms that march; empty if it is not wanted.
     std::span<MarchRecord> march = {};
 };
 
 template <class Signature>
 class Function;
 
-/// A plain function, or one together with what it needs of its own, such as a library that was loaded, a process that
-/// was started or the forms of a set, which outlives every copy. Empty where there is none.
+/// A plain function, or a function with data of its own, such as a loaded library, a started process or the forms of a
+/// set. The data must outlive every copy. May be empty.
 template <class R, class... A>
 class Function<R(A...)> {
 public:
@@ -75,23 +75,23 @@ private:
     void* own_ = nullptr;
 };
 
-/// What a row runs over a batch.
+/// The function of a row that answers a batch.
 template <class S>
 using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&)>;
 
-/// A march as the format runs it, sample by sample, and its answer.
+/// A march as it runs in a format, sample by sample, and its answer.
 struct MarchLog {
     std::vector<MarchStep> steps;
     Hit<double> hit{false, 0, 0, 0};
     Stop stop = Stop::max_steps;
 };
 
-/// One form in every arithmetic, or one for each of several shapes (`sets.hpp`). What is null or empty does not exist:
-/// a form written for one format has no kernel in the others, and one that is not a template of ours runs natively
-/// alone.
+/// One form in every arithmetic, or a set with one form for each of several shapes (`sets.hpp`). A function that does
+/// not exist is empty: a form written for one format has no kernel in the others, and a form that is not a template of
+/// ours has only native kernels.
 struct Intersector {
     const Info* info;
-    Shape shape;  ///< of the solids that it may be given one of; `sdf`: all of any shape at once; of a set the first
+    Shape shape;  ///< the shape that it takes; `sdf` if it takes all primitives at once; the first shape of a set
     Kernel<float> native32;
     Kernel<double> native64;
     /// Inputs are rounded to the format on the way in.
@@ -103,7 +103,7 @@ struct Intersector {
     Function<MarchLog(const Format&, const Ray<double>&, const Target<double>&)> log = nullptr;
     /// Every operation of one evaluation, onto a tape that it clears first. Inputs are numbers of the format.
     Function<void(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&)> record = nullptr;
-    /// The same with every loop run to its bound whatever its decisions: all operations that the form can ever do.
+    /// The same with every loop run to its bound, whatever the decisions: all operations that the form can ever do.
     Function<void(const Target<double>&, Tape&)> record_all = nullptr;
     /// The operations of one evaluation in binary32, as the form is written (see `Counted`).
     Function<OperationCounts(const Ray<float>&, const Target<float>&, float tmax)> count = nullptr;
@@ -113,9 +113,9 @@ struct Intersector {
         bounded = nullptr;
     /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
     Function<Way(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
-    /// Of a set its forms, in the order of their shapes.
+    /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
-    bool is_placed = false;  ///< it takes rays into the space of solids under matrices (`space/spaced.hpp`)
+    bool is_placed = false;  ///< it has a transform method, so it takes primitives under matrices (`space/spaced.hpp`)
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {
@@ -125,16 +125,16 @@ struct Intersector {
         }
         return false;
     }
-    /// Whether the formula itself is there, in any arithmetic: widths between the formats, enclosures, tapes.
+    /// True if the formula itself is available in any arithmetic: widths between the formats, enclosures, tapes.
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
-    /// The form that is asked about solids of a shape that it is for.
+    /// The form for one of the shapes that the row takes: of a set, its form for that shape.
     [[nodiscard]] const Intersector& of(Shape solid) const {
         for (const Intersector* const part : parts)
             if (part->shape == solid) return *part;
         return *this;
     }
-    /// The shapes of the solids that it is for; `sdf` for the forms that march.
+    /// The shapes that it takes; `sdf` for a form that marches.
     [[nodiscard]] Shapes shapes() const {
         Shapes all = Shapes(shape).placed(is_placed);
         for (const Intersector* const part : parts) all |= part->shapes();
@@ -142,13 +142,13 @@ struct Intersector {
     }
 };
 
-/// Every row: the catalogue's forms in their order, then what was enrolled, in the order in which it came.
+/// Every row: the catalogue's forms in their order, then the enrolled rows in the order in which they were added.
 std::span<const Intersector> intersectors();
-/// The catalogue's forms alone, `form_count` of them; of one shape.
+/// The catalogue's forms alone, `form_count` of them; `intersectors(shape)` has those of one shape.
 std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
-/// Adds rows from outside of the catalogue, whose `info` lives as long as the program. InputError for a name that is
-/// taken. Before any row is asked for: rows move in memory.
+/// Adds rows from outside the catalogue; their `info` must live as long as the program. InputError for a name that is
+/// taken. Call it before any row is asked for, since rows move in memory.
 void enroll(const std::vector<Intersector>& rows);
 
 }  // namespace lostbits::intersect::table

@@ -1,4 +1,4 @@
-// The field of any solids together: what the forms that march are given.
+// The field of several primitives together, which forms that march take.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ T distance(const Solid<T>& solid, const Vec<T>& p) {
     return visit(solid, [&p](const auto& shape) { return shape.distance(p); });
 }
 
-/// The union of solids: the least of their distances, taken in their order.
+/// The union of primitives: the least of their distances, computed in their order.
 template <Number T>
 class Union {
 public:

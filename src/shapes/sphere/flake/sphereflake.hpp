@@ -19,7 +19,7 @@ struct Sphereflake {
     int levels = 0;
     Vec<double> centre{0, 0, 0};
     double radius = 1;
-    Vec<double> axis{0, 0, 1};                ///< of the largest sphere; any length except zero
+    Vec<double> axis{0, 0, 1};                ///< axis of the largest sphere; any length except zero
     intersect::process::StopToken stop = {};  ///< the loader's token, checked at every sphere that grows
 
     [[nodiscard]] std::size_t size() const;

@@ -11,7 +11,7 @@ struct PluckerEdges {
     Vec<T> v0, v1, v2;  ///< the vertices relative to the origin
     Vec<T> e0, e1, e2;
     T u, v;              ///< the tests of the edges opposite p1 and p2
-    T least, most, sum;  ///< of all three tests
+    T least, most, sum;  ///< taken over all three tests
 
     PluckerEdges(const Ray<T>& ray, const Vec<T>& p0, const Vec<T>& p1, const Vec<T>& p2)
         : v0(p0 - ray.origin),

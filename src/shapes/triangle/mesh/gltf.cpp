@@ -161,7 +161,7 @@ private:
     struct Elements {
         const char* first;
         std::size_t step, count;
-        std::uint64_t place;  ///< of the first element, in the buffer
+        std::uint64_t place;  ///< offset of the first element in the buffer
 
         template <class T, std::size_t n>
         [[nodiscard]] std::array<T, n> at(std::size_t i) const {
@@ -325,7 +325,7 @@ private:
     std::optional<std::string> own_;  ///< the bytes after the JSON of a binary file
     std::vector<std::optional<std::string>> buffers_;
     std::set<std::filesystem::path> opened_;
-    std::uint64_t bytes_read_ = 0;  ///< of all buffers so far
+    std::uint64_t bytes_read_ = 0;  ///< total of all buffers so far
     std::map<std::uint64_t, Vertices> vertices_;
     MeshInFile found_;
 };
