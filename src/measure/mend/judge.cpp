@@ -23,10 +23,10 @@ using tape::TapeForm;
 
 namespace {
 
-/// Tapes of one call: more would only take memory.
+/// Number of tapes that one call measures; more would only cost memory.
 constexpr std::size_t at_once = 48;
 
-/// The bits of all answers of a row, in order.
+/// Hash over the bits of all answers of a row, in order.
 class Bits {
 public:
     void band(const evaluate::BandResult& result) {
@@ -48,8 +48,9 @@ TestedForm row_like(const TestedForm& row, const TapeForm& form) {
     return {.form = &form.row(), .format = row.format, .judged = row.judged};
 }
 
-/// What a tape answers to rays with candidates among many solids. `answer::evaluate` asks a form about one solid after
-/// the other, and a call of a tape costs as much as some hundred rays.
+/// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
+/// call. `answer::evaluate` calls a form for one primitive after the other, and one call of a tape costs as much as
+/// some hundred rays.
 template <class S>
 void ask_among(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
     constexpr std::size_t rays_at_once = 512;
@@ -89,7 +90,7 @@ Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& r
 
 const std::string& MendRequest::id() const { return scene ? scene->id : rays->id; }
 
-/// Rays with their truth, as rows of the request's kind are measured on them.
+/// Some of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {
 public:
     Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
@@ -186,7 +187,7 @@ Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge) {
     if (both.same) return both.worth;
     throw InputError(std::string(request.row.form->info->name) +
                      ": its operations differ from ray to ray, because it decides by itself how far to go; name a form "
-                     "that does the same to every ray");
+                     "that does the same operations for every ray");
 }
 
 std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {

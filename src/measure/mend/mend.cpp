@@ -18,7 +18,7 @@ std::vector<NodeId> without(std::vector<NodeId> set, std::size_t k) {
     return set;
 }
 
-/// The next choice of as many of n, in lexicographic order.
+/// Advances to the next choice of as many indices below n, in lexicographic order; false after the last one.
 bool next_choice(std::vector<std::size_t>& chosen, std::size_t n) {
     const std::size_t size = chosen.size();
     for (std::size_t k = size; k-- > 0;) {
@@ -41,7 +41,7 @@ public:
     Search(const Tape& tape, const FloatFormat& wider, const MendRequest& request, Judge& judge)
         : tape_(tape), wider_(wider), request_(request), judge_(judge), all_(tape::rounded_operations(tape)) {}
 
-    /// `with_all`: what is kept with all operations wider, which meets the wish.
+    /// `with_all` is the worth with all operations wider, which meets the requirement.
     WiderSet smallest(const Worth& with_all, std::uint64_t affordable) {
         WiderSet found{.operations = all_, .worth = with_all};
         while (take_one(found)) {}
@@ -69,8 +69,10 @@ private:
         return worth_of(fewer);
     }
 
-    /// Takes the operation away whose loss costs least, or keeps what becomes of the set without each. Where several
-    /// can go, the better half of them is tried at once.
+    /// Takes operations out of the set while the requirement is still met. False where none can be taken out;
+    /// `set.without` is then the worth without each of them. It takes out the operation whose loss costs least. Where
+    /// several could each be taken out, it first tries the better half of them together, then the better quarter, and
+    /// so on.
     bool take_one(WiderSet& set) {
         const std::vector<Worth> left = worth_without(set.operations);
         std::vector<std::size_t> spare;
@@ -100,7 +102,7 @@ private:
         return true;
     }
 
-    /// The most accurate of all sets of a size that meet the wish.
+    /// The most accurate of all sets of `size` operations that meet the requirement; nothing where none does.
     std::optional<WiderSet> some_of(std::size_t size) {
         std::vector<std::vector<NodeId>> sets;
         std::vector<std::size_t> chosen(size);
@@ -125,7 +127,7 @@ private:
     std::vector<NodeId> all_;
 };
 
-/// The scene in fewer pixels, an odd number each way, so that hardly a pixel lies where one did.
+/// Scene with fewer pixels, an odd number each way, so that hardly any of them lies where an old one did.
 Scene in_other_pixels(Scene scene) {
     const auto fewer = [](int n) { return std::max(n * 7 / 8, 1) | 1; };
     scene.width = fewer(scene.width);
@@ -133,8 +135,8 @@ Scene in_other_pixels(Scene scene) {
     return scene;
 }
 
-/// Where another way of writing alone does not meet the wish, the fewest of its operations wider, if they are fewer
-/// than those of the form as it was.
+/// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
+/// if it widens fewer operations than the set that was found for the original form, where there is one.
 void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& request, Judge& judge,
                         std::uint64_t affordable) {
     if (one.worth.meets(request.wish)) return;

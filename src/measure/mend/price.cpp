@@ -26,7 +26,8 @@ using intersect::table::RayBatch;
 
 namespace {
 
-/// What a library exports of a form, which is there as long as the library is loaded: to the end.
+/// Kernels that a library exports for a form. They are valid while the library is loaded, which is until the program
+/// ends.
 template <class F>
 struct Kernels {
     PlacedKernel<F> alone, packs;
@@ -34,7 +35,8 @@ struct Kernels {
     std::size_t lanes;  ///< in a register
 };
 
-/// Whole packs, where the run has the registers that they were compiled for, and the rest alone.
+/// Answers whole packs by the packed kernel, where the run has the register width that it was compiled for, and the
+/// remaining rays one by one.
 template <class F>
 void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
     const std::size_t whole =
@@ -55,7 +57,7 @@ void run(void* own, const RayBatch<F>& rays, const Target<F>& target, const HitB
     const std::size_t each = one ? rays.size() : 1;
     for (std::size_t i = 0; i < rays.size(); i += each) {
         const Solid<F>& solid = target.solids[one ? 0 : i];
-        if (!solid.placed) throw std::logic_error("a form that takes a matrix is asked about a solid without one");
+        if (!solid.placed) throw std::logic_error("a form that takes a matrix was given a primitive without one");
         answer(*static_cast<const Kernels<F>*>(own),
                {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
                 .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
@@ -78,13 +80,14 @@ intersect::table::Kernel<F> kernel_of(const doors::Library& library, const std::
     all.push_back({entry_of<Kernel>(library, (name + "_alone").c_str()),
                    entry_of<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
     Kernels<F>& kernels = all.back();
-    if (!kernels.alone) throw std::logic_error(name + ": compiled it is not there");
+    if (!kernels.alone) throw std::logic_error(name + ": the compiled library does not export its kernel");
     return {run<F>, &kernels};
 }
 
 bool is_double(const Written& form) { return form.from.format.engine == Format::Engine::native64; }
 
-/// Whether they were made of forms that are asked through the space of a solid; all of them are alike.
+/// True if the forms take the matrix of their primitive. The forms of one list are alike in this, so the first one
+/// decides.
 bool are_placed(const std::vector<Written>& forms) { return !forms.empty() && forms.front().from.form->is_placed; }
 
 /// The source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each.
@@ -99,7 +102,8 @@ std::string placed_source_of(const std::vector<Written>& forms) {
     return text;
 }
 
-/// A row for each, of the format of the form that it was made of. In the registers of the run, as rows of a space are.
+/// Makes a row for each form, in the format of the form that it was made from. Rows use the register width of the run,
+/// as all rows under a matrix do.
 std::vector<doors::Formula> placed_rows(const fs::path& library, const std::vector<Written>& forms) {
     static std::deque<intersect::Info> infos;
     const doors::Library loaded = doors::load_library(library);
@@ -124,7 +128,7 @@ void write(const fs::path& file, const std::string& text) {
         throw EnvironmentError(file.string() + ": cannot write this file; set TMPDIR to a folder with free space");
 }
 
-/// EnvironmentError with what the compiler said.
+/// Runs the compiler. EnvironmentError with its output where it fails.
 void run_compiler(const intersect::process::ProgramWords& words, const MendRequest& request) {
     intersect::process::Child child(words,
                                     {.who = words.front(), .duty = "", .seconds = 600, .stop = request.limit.stop});
@@ -134,7 +138,8 @@ void run_compiler(const intersect::process::ProgramWords& words, const MendReque
     throw EnvironmentError(intersect::process::shell_command(words) + ": " + why);
 }
 
-/// What was made here and cannot be loaded is the machine's doing, not what anybody typed.
+/// Loads a library that this program compiled. A failure is an EnvironmentError: its cause is the machine, not the
+/// user's input.
 template <class Load>
 auto load_made(const fs::path& library, const Load& load) {
     try {
@@ -156,7 +161,8 @@ std::string source_of(const std::vector<Written>& forms) {
     return text + "LOSTBITS_FORMULAS(" + names + ")\n";
 }
 
-/// Rows through the space of a solid take the registers of the run: work that finds none.
+/// Makes work run in scalar arithmetic. Rows under a matrix use the current register width, so the width is `scalar`
+/// while they run.
 speed::TimedWork alone(speed::TimedWork work) {
     work.pass = [pass = std::move(work.pass)] {
         const simd::Isa before = simd::current_isa();
@@ -184,7 +190,7 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
     write(source, source_of(forms));
     intersect::process::ProgramWords link{workshop.compiler, "-shared", source};
     if (fs::exists(workshop.flags / isa)) {
-        // What is linked stands in the same file, and is not used yet.
+        // form.flags names the libraries to link as well; `-c` does not use them.
         run_compiler({workshop.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
         link.push_back(packs);
     }
@@ -199,7 +205,7 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
         Judge judge(asked);
         const evaluate::TestedForm own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
         if (!answers_as(own, *forms[k].tape, asked, judge))
-            throw std::logic_error(forms[k].type + ": compiled it has other answers than its tape");
+            throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
         if (!own.form->is_placed) simd::enroll_packs({{formulas[k].row.info, formulas[k].packed}});
     }
     return formulas;

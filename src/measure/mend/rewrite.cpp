@@ -21,7 +21,7 @@ using identity::Triple;
 
 namespace {
 
-/// With the direction along the axis that it is nearest to.
+/// Inputs with the direction replaced by the unit vector of the axis that it is nearest to.
 std::vector<double> along_axis(std::vector<double> numbers) {
     const auto d = numbers.begin() + 3;
     const auto largest = std::max_element(d, d + 3, [](double a, double b) { return std::fabs(a) < std::fabs(b); });
@@ -82,7 +82,8 @@ private:
         return a.work < b.work;
     }
 
-    /// Of those that nothing was made from: the most accurate, and what meets the wish with least work.
+    /// Indices of the candidates to rewrite next: of those not rewritten yet, the most accurate ones, and those that
+    /// meet the requirement with least work.
     [[nodiscard]] std::vector<std::size_t> promising() const {
         std::vector<std::size_t> open;
         for (std::size_t k = 0; k < all_.size(); ++k)
@@ -98,7 +99,7 @@ private:
         return chosen;
     }
 
-    /// What one rewrite makes of it, first of what loses most bits.
+    /// Candidates that are one rewrite away from this one. Rewrites of what loses most bits come first.
     std::vector<Candidate> made_from(const Candidate& from) {
         std::vector<NodeId> origins;
         const Tape tape = terms_.tape(from.outputs, &origins);
@@ -127,7 +128,8 @@ private:
         return lost;
     }
 
-    /// What nothing beats in accuracy and work, of what meets the wish; where nothing does, the most accurate.
+    /// Candidates that meet the requirement and that no other beats in both accuracy and work; where none meets it, the
+    /// most accurate one.
     [[nodiscard]] std::vector<Rewritten> front() const {
         std::vector<const Candidate*> order;
         for (const Candidate& one : all_) order.push_back(&one);
@@ -135,7 +137,7 @@ private:
         std::vector<Rewritten> found;
         std::size_t least = SIZE_MAX;
         for (const Candidate* one : order) {
-            // From the form itself on nothing is more accurate, or as accurate with less work.
+            // The list is in order: nothing after the form itself is more accurate, or as accurate with less work.
             if (one->rules.empty() || found.size() == limit_.proposals || (!found.empty() && !meets(*one))) break;
             if (one->work >= least) continue;
             least = one->work;

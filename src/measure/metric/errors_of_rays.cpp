@@ -1,4 +1,4 @@
-// How far a ray that a form is given is from the ideal one.
+// Metrics of the ray that a form is given: its distance from the ideal one.
 
 #include <cmath>
 
@@ -18,7 +18,8 @@ bool vanishes(const Vec<double>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 Real largest(const Vec<Real>& v) { return max(max(Real(abs(v.x)), Real(abs(v.y))), Real(abs(v.z))); }
 
-/// In ulps of the largest component of the true vector.
+/// Lost bits of the largest component of the difference, which is measured in ulps of the largest component of the true
+/// vector.
 double bits_off(const Vec<Real>& given, const Vec<Real>& truth, const FloatFormat& format) {
     const Real size = largest(truth);
     long floor_log2 = format.emin;
@@ -35,7 +36,7 @@ Vec<Real> unit(const Vec<Real>& v) { return (1 / length(v)) * v; }
 
 bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !vanishes(s.ray->direction); }
 
-// Each is infinite, or the bits of the format, where a component is NaN or infinite.
+// Where a component is NaN or infinite, or a direction is zero, errors are infinite and lost bits are the precision p.
 
 double origin_error(const Sample& s) {
     if (!s.true_ray) return missing;
@@ -49,7 +50,7 @@ double origin_lost_bits(const Sample& s) {
     return bits_off(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->parameters);
 }
 
-/// By the sine and the cosine, which are good near 0 and near a right angle.
+/// Computed from the sine and the cosine, which is accurate near 0 and near a right angle.
 double direction_error(const Sample& s) {
     if (!s.true_ray) return missing;
     if (!has_direction(s)) return HUGE_VAL;
@@ -63,7 +64,8 @@ double direction_lost_bits(const Sample& s) {
     return bits_off(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->parameters);
 }
 
-/// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye; f is where the camera looks.
+/// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye. f is the direction in which
+/// the camera looks.
 double pixel_error(const Sample& s) {
     if (!s.true_ray || !s.frame) return missing;
     if (!has_direction(s)) return HUGE_VAL;
@@ -74,7 +76,7 @@ double pixel_error(const Sample& s) {
     return Real(off / s.frame->pitch).convert_to<double>();
 }
 
-/// Of every ray, whatever the form makes of it.
+/// Metrics that are measured on every ray, whatever the form answers.
 constexpr Metric rows_of_rays[] = {
     tabled({"origin_error", "length", "ray.origin"},
            "|o - o*|: distance between the origins of the ray that the form is given and of the ideal ray, in the "

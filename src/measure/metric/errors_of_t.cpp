@@ -1,4 +1,4 @@
-// How far an answer is from t*, and which part of that the inputs, the formula and its rounding have.
+// Metrics of the error of t, and of the parts of it that the inputs, the formula and its rounding cause.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -37,7 +37,7 @@ double error_at_zero(const Sample& s) {
 double root(const Sample& s) {
     if (s.march) return missing;
     if (s.outcome != answer::Outcome::agree_hit || !s.solid) return 0;
-    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // crossings so near to each other are one to the format
+    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // the format cannot tell crossings this near apart
     return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 2 : 1;
 }
 
@@ -64,10 +64,10 @@ double derivative_error(const Sample& s) {
     return in_roundoffs(worst, s);
 }
 
-/// In the order of the values of `root`.
+/// Categories, in the order of the values of `root`.
 constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
 
-/// Where an ulp of t* says nothing, or not enough.
+/// Metrics for cases in which an ulp of t* says nothing, or not enough.
 constexpr Metric rows_of_t[] = {
     tabled({"error_at_zero", "u", "err.at_zero"},
            "for a hit at t* = 0, where an ulp is not a measure: |t| |d| over u times the largest number of the origin "
@@ -89,7 +89,8 @@ double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.for
 double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
 double correct(const Sample& s) { return s.format->parameters.precision - lost(s); }
 
-/// Of binary64 the numbers of either sign fill 63 bits: the steps between them are a number without a sign.
+/// The ordinals of binary64 need 63 bits and a sign, so the difference of two of them is computed as an unsigned
+/// number.
 double herbie(const Sample& s) {
     const auto place = [&s](double x) { return truth::ordinal(x, s.format->parameters); };
     const auto [low, high] = std::minmax({place(s.t), place(s.truth_rounded)});
@@ -109,7 +110,7 @@ double relative(const Sample& s) {
 }
 
 double distance_error(const Sample& s) {
-    const Vec<double>& d = s.ray->direction;  // of a form that asks for length one, to the format's rounding
+    const Vec<double>& d = s.ray->direction;  // if the form asks for length one, |d| is one up to rounding
     return absolute(s) * std::hypot(d.x, d.y, d.z);
 }
 

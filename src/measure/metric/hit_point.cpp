@@ -1,5 +1,5 @@
-// Where a form says that the ray meets the solid, how far that is off the surface, of which vertices it is made, and
-// what the bounds that renderers rely on are bounds of.
+// Metrics of the hit point: its distance from the surface, its barycentric weights, its normal, and the numbers that
+// renderers use bounds of.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -39,7 +39,7 @@ Vec<double> hit_point(const Sample& s) {
                        along(s.ray->origin.z, s.ray->direction.z));
 }
 
-/// `in.operator()<F>()` in the machine's own format; missing in every other.
+/// `in.operator()<F>()`, F being the machine's own type for the format; missing for a format that it has no type for.
 template <class In>
 double in_format(const Sample& s, const In& in) {
     switch (s.format->engine) {
@@ -65,7 +65,7 @@ double enclosed(const Find& find) {
     return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
 }
 
-/// How far a point of the world is off the surface; under a matrix in the space of the solid.
+/// `off_surface` of a primitive at a point in world space. Under a matrix both are taken in object space.
 template <class E, template <class> class S>
 E off_surface(const Vec<double>& p, const Solid<double>& solid) {
     const Solid<E> lifted = lift_solid<E>(solid);
@@ -82,7 +82,8 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
     });
 }
 
-/// What the form computed under the name that it has for the weight of a vertex.
+/// Value that the form computed for the weight of a vertex, found by the form's name of that weight. Nothing where the
+/// form has no name for it.
 std::optional<double> told(const Sample& s, std::size_t vertex) {
     if (!s.blame || s.weights[vertex].empty()) return std::nullopt;
     const auto& nodes = s.blame->tape->nodes;
@@ -90,7 +91,8 @@ std::optional<double> told(const Sample& s, std::size_t vertex) {
     return found == nodes.end() ? std::nullopt : std::optional(found->value);
 }
 
-/// How far a number is from the weight of a vertex.
+/// Distance of x from the true weight of a vertex: infinite where x is not finite, missing for a primitive without
+/// weights.
 double error_of(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
     return visit_shape(*s.solid, [&]<template <class> class Of>() {
@@ -107,9 +109,10 @@ double error_of(double x, const Sample& s, std::size_t vertex) {
     });
 }
 
-/// The largest |x − x*| of the weights x of a, b and c that the form computes, in u = 2^-p: a weight of a point within
-/// is at most 1, whatever the size of the triangle. x* is of the ray and the triangle as the form received them.
-/// Infinite where one is no number; missing of a form that names none, or whose operations cannot be asked.
+/// Largest |x − x*| over the weights x of a, b and c that the form computes, in u = 2^-p. The weight of a point in the
+/// triangle is at most 1, whatever the size of the triangle, so no other scale is needed. x* belongs to the ray and the
+/// triangle as the form received them. Infinite where a weight is not finite; missing for a form that names no weights,
+/// or whose operations cannot be recorded.
 double barycentric_error(const Sample& s) {
     double most = missing;
     for (std::size_t vertex = 0; vertex < s.weights.size(); ++vertex)
@@ -117,12 +120,12 @@ double barycentric_error(const Sample& s) {
     return in_roundoffs(most, s);
 }
 
-/// |x + y + z − 1|, in u, of a form that computes all three.
+/// |x + y + z − 1|, in u, for a form that computes all three weights.
 double barycentric_sum(const Sample& s) {
     const auto x = told(s, 0), y = told(s, 1), z = told(s, 2);
     if (!x || !y || !z) return missing;
     if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) return HUGE_VAL;
-    // A Real holds the sum of three doubles near 1, or what is left of it to 2^-200.
+    // A Real holds the sum of three doubles near 1 exactly, or what cancellation leaves of it to 2^-200.
     return in_roundoffs(std::fabs(Real(Real(*x) + Real(*y) + Real(*z) - 1).convert_to<double>()), s);
 }
 
@@ -138,7 +141,7 @@ constexpr Metric rows_of_weights[] = {
 template <class F>
 inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
 
-/// In object space, where the centre is the origin, as pbrt has it: p = o + t d, then p r/|p|.
+/// Error of a projection as pbrt does it, in object space, whose origin is the centre: p = o + t d, then p r/|p|.
 template <class F>
 double projected(const Sample& s) {
     const auto [centre, radius] = ball_around(*s.solid);
@@ -157,7 +160,8 @@ double projected(const Sample& s) {
     return worst / roundoff<F>;
 }
 
-/// Of the clipping of slabs alone, which is the box's.
+/// Padding for the clipping of the slabs alone, as `box.signs` does it, over all t ≥ 0. Where tmin exceeds tmax it is
+/// (tmin − tmax)/tmax/u, or infinite if tmax is not positive; otherwise 0.
 template <class F>
 double padding_in(const Ray<F>& ray, const Hull<F>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();

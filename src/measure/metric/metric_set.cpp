@@ -46,8 +46,8 @@ double too_few(const Sample& s) { return correct(s) < number_of(s.label) ? 1 : 0
 
 constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[] = {"enough", "too_few"};
 
-/// What there is of each label: `name` and `layer` lack it. The first are about a number, the others about an
-/// operation.
+/// Metrics that a label completes. The label of the first two is a number, which is appended to `meaning`. The label of
+/// the others is the name of an operation or a step, which is appended to `name` and `layer`.
 constexpr Metric labelled[] = {
     tabled(
         {"tolerance:", "", "err.tolerance"},
@@ -117,11 +117,12 @@ const Metric* MetricSet::find(std::string_view name) {
 const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
     const std::string_view column = kind.name.substr(0, kind.name.size() - 1);
     if (std::isnan(number_of(name.substr(kind.name.size()))))
-        throw InputError("--metric " + std::string(name) + ": write a finite number from 0 behind the colon, such as " +
-                         std::string(kind.name) + (kind.value == beyond ? "0.001" : "16"));
+        throw InputError("--metric " + std::string(name) +
+                         ": write a finite number of at least 0 after the colon, such as " + std::string(kind.name) +
+                         (kind.value == beyond ? "0.001" : "16"));
     if (std::ranges::find(made_, column, [](const Made& made) { return made.row.name; }) != made_.end())
         throw InputError("--metric " + std::string(name) +
-                         ": one number a run; measure the other one in a run of its own");
+                         ": this metric takes one number a run; measure the other one in a run of its own");
     Made& made = made_.emplace_back();
     made.name = name;
     made.row = kind;

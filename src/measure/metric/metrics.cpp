@@ -39,7 +39,7 @@ double worst_step(const Sample& s) {
     return worst ? static_cast<double>(*worst) + 1 : 0;
 }
 
-/// The form's own bound on the rounding error of t, in ulps of the format at t*; infinite where it knows nothing.
+/// The form's own bound on the rounding error of t, in ulps of the format at t*; infinite where it has none.
 double bound(const Sample& s) {
     if (!s.bounded) return missing;
     if (!(s.bounded->error < HUGE_VAL)) return HUGE_VAL;
@@ -185,7 +185,7 @@ constexpr Metric table[] = {
     tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp(t of that form), where both hit",
            nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::pairs})};
 
-/// What a march that looked for the hit did.
+/// Metrics of the march that looked for the hit.
 constexpr Metric metrics_of_marches[] = {
     tabled({"iterations", "samples", "march.iterations"}, "samples of the field that the march took", iterations,
            {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .over = Over::marches}),
@@ -201,7 +201,7 @@ constexpr Metric metrics_of_marches[] = {
            "arithmetic",
            overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .over = Over::marches})};
 
-/// A list of metrics that belong together is a word here.
+/// Joins lists of metrics into one.
 std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists) {
     std::vector<Metric> all;
     for (const auto list : lists) all.insert(all.end(), list.begin(), list.end());

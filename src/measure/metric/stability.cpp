@@ -1,4 +1,5 @@
-// How far a form's answers are from those of a problem nearby, and what is foretold of errors without the exact answer.
+// Metrics of how far an answer is from that of a nearby problem, and of errors that are predicted without the exact
+// answer.
 #include <cmath>
 
 #include "measure/metric/values.hpp"
@@ -32,7 +33,7 @@ double wrong_decision(const Sample& s) {
     return margin(s, Turned::decision) > 1 ? 2 : 1;
 }
 
-/// Whether the tape is of a t whose decision rounding did not turn.
+/// True if the attribution is that of t, and not of a decision that rounding changed.
 bool explains_t(const Sample& s) {
     return s.blame && !s.march && s.blame->attribution->subject == s.blame->tape->outputs.t;
 }

@@ -40,7 +40,7 @@ void ExactTotal::add(const ExactTotal& other) {
 
 void ExactTotal::settle() {
     for (std::size_t i = 0; i + 1 < limbs_.size(); ++i) {
-        limbs_[i + 1] += limbs_[i] >> limb_bits;  // rounds down: what stays is not negative
+        limbs_[i + 1] += limbs_[i] >> limb_bits;  // rounds down, so the rest is not negative
         limbs_[i] &= 0xffffffff;
     }
     unsettled_ = 0;
@@ -52,7 +52,7 @@ double ExactTotal::over(std::uint64_t n) const {
     const auto& limbs = settled.limbs_;
     std::size_t top = limbs.size() - 1;
     while (top > 0 && limbs[top] == 0) --top;
-    // In units of the top limb. Five limbs have at least 129 bits, more than two doubles.
+    // Everything is in units of the top limb. Five limbs have at least 129 bits, more than two doubles.
     DoubleDouble sum{0, 0};
     for (std::size_t i = 0; i < 5 && i <= top; ++i) {
         const double term = std::ldexp(static_cast<double>(limbs[top - i]), -limb_bits * static_cast<int>(i));
@@ -93,7 +93,7 @@ double Sums::mean() const {
 
 void Quantiles::add(std::span<const double> values) {
     for (const double x : values) {
-        if (x != x) continue;  // rays without a value lie together: no work, and nothing to wait for
+        if (x != x) continue;  // rays without a value lie side by side, so this branch is cheap
         const auto bits = std::bit_cast<std::uint64_t>(x);
         auto& binade = binades_[bits >> 52 & 0x7ff];
         if (!binade) [[unlikely]]
@@ -120,7 +120,7 @@ void Quantiles::set_bucket(std::uint32_t place, std::uint64_t samples) {
 }
 
 void Quantiles::add(const Quantiles& other) {
-    // Read before it is written: `other` may be this.
+    // All of `other` is read before anything is written, because it may be this object.
     std::vector<std::uint32_t> places;
     std::vector<std::uint64_t> counts;
     other.filled(places, counts);
@@ -217,7 +217,8 @@ void Distribution::add(std::span<const double> values) {
 
 void Distribution::add(const Distribution& other) {
     if (other.count_ == 0) return;
-    if (!other.open_ || (!open_ && count_ > 0)) throw std::logic_error("a sealed distribution takes and gives nothing");
+    if (!other.open_ || (!open_ && count_ > 0))
+        throw std::logic_error("a sealed distribution cannot be added to another one, nor can one be added to it");
     if (!open_) open_ = std::make_unique<Open>();
     open_->sums.add(other.open_->sums);
     open_->quantiles.add(other.open_->quantiles);
@@ -234,7 +235,7 @@ double Distribution::quantile(double q) const {
     if (open_) return open_->quantiles.at(q, open_->sums);
     const auto kept = std::ranges::find(quantiles, q, &Statistic::q);
     if (kept == quantiles.end())
-        throw std::logic_error("a sealed distribution keeps the quantiles of the tables alone");
+        throw std::logic_error("a sealed distribution has only the quantiles that tables show");
     return sealed_[static_cast<std::size_t>(kept - quantiles.begin())];
 }
 

@@ -30,13 +30,14 @@ struct StoredAs<RoundedAny> {
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
-/// Where a ray leaves the solid that it goes into, in doubles; nothing where it does not.
+/// The t at which a ray leaves the primitive that it goes into, in doubles; nothing where it does not leave it.
 std::optional<double> exit_of(const Ray<double>& ray, const Solid<double>& solid) {
     const auto ends = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
 }
 
-/// How far a point is from the surface of a solid at least: 0 where the bounds on all roundings do not tell.
+/// Lower bound of the distance of a point from the surface of a primitive; 0 where the bounds on all roundings prove
+/// nothing.
 double least_distance(const Vec<double>& p, const Solid<double>& solid) {
     using Certain = number::wide::Running<double>;
     if (solid.placed && solid.placed->is_inverse) return 0;  // rounding could put the ball anywhere
@@ -53,13 +54,13 @@ double least_distance(const Vec<double>& p, const Solid<double>& solid) {
 
 }  // namespace
 
-/// What of its own primitive lies ahead of the rays to one side: t of the next wall, infinite where there is none.
+/// The t of the next wall of the primitive that is left, ahead of the rays to one side; infinite where there is none.
 struct Walls {
     double along_normal = 0;
-    std::vector<double> of;  ///< of each ray
+    std::vector<double> of;  ///< along each ray
 };
 
-/// One point, in the number of its format.
+/// One point, computed in the number type of its format.
 template <class T>
 class TypedPoint {
 public:
@@ -141,14 +142,15 @@ public:
     }
 
 private:
-    /// p as it is taken, and the normal there.
+    /// Projects p onto the surface where the row asks for it, and computes the normal there.
     void put_point(const Ray<T>& ray, const Solid<T>& solid, Vec<T>& p, Vec<T>& n) const {
         if (work_.point_ == HitPoint::projected) p = projected<T>(ray, solid, p);
         n = outward_normal<T>(ray, solid, p);
     }
-    /// Both in the space of the solid, by the way that leads there in the row, and in the world: what is computed is
-    /// o + t d, what is projected M times the point there, and the normal A⁻ᵀ times that there, made unit. A way that
-    /// takes adj(A) for A⁻¹ and a solid |det A| times as large has its ray made as much smaller.
+    /// Computes the point and its normal in object space, by the transform method of the row, and in world space. In
+    /// world space, a computed point is o + t d, a projected one is M times the point in object space, and the normal
+    /// is A⁻ᵀ times the one there, made unit. A transform method that takes adj(A) in place of A⁻¹ works with a
+    /// primitive |det A| times as large, so its ray is divided by that factor here.
     void put_object_point(Leaving<T>& found) const {
         const auto& steps = intersect::space::steps_in<T>(
             *intersect::space::made_of(intersect::hull::within_boxes(work_.row_.form->of(found.solid.shape))).space);
@@ -171,27 +173,27 @@ private:
     }
     [[nodiscard]] const Solid<double>& own() const { return work_.solids_[met_.own]; }
     [[nodiscard]] const Walls& walls(Side side) const { return walls_[static_cast<std::size_t>(side)]; }
-    /// Whether rays to a side go into the primitive. Where it has no inside they leave it to either side.
+    /// True if rays to a side go into the primitive. If it has no inside, rays to either side leave it.
     [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(own().shape); }
-    /// Where a ray that starts at the point truly meets the primitive next: its way out, or its next wall.
+    /// The t at which a ray that starts at the point truly meets the primitive next: its exit, or its next wall.
     [[nodiscard]] double wall_ahead(Side side, const Vec<double>& w) const {
         if (!enters(side)) return next_wall({p_, w}, own());
         return exit_of({p_, w}, own()).value_or(std::numeric_limits<double>::infinity());
     }
-    /// Whether that lies between the point and where a ray starts.
+    /// True if the next wall lies between the point and the start of a ray.
     [[nodiscard]] bool is_behind_wall(Side side, const HalfLine& line) const {
         const Vec<double> way = line.ray.origin + line.from * line.ray.direction - p_;
         return length(way) > 0 && wall_ahead(side, way) < 1;
     }
 
-    /// Whether a ray that starts there leaves what it should leave, or is in the solid and finds a way out.
+    /// True if a ray leaves what it should leave, or, where it goes in, starts in the primitive and meets a way out.
     [[nodiscard]] bool is_right(const Ray<double>& ray, Side side, double wall) const {
         if (!enters(side)) return !meets_before({ray, 0}, wall / 2, own());
         const Meeting met = find_meeting({ray, 0}, own());
         return !met.outside && met.meets;
     }
 
-    /// `wall` is ahead of the ray that starts at the point itself.
+    /// Finds the true faults of a ray. `wall` is the t of the next wall for the same direction from the point itself.
     void find_faults(NewRay& r, Side side, double wall) const {
         const auto add = [&r](bool is, Fault f) { r.faults |= is ? bit_of(f) : 0; };
         const HalfLine line{r.ray, r.tmin};
@@ -199,7 +201,7 @@ private:
         if (enters(side)) {
             const Meeting met = find_meeting(line, own());
             const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
-            // Past the far side of a convex solid nothing is met; past that of a torus the ring is, once more.
+            // Past the far side of a convex primitive nothing is met. Past that of a torus, the ring is met once more.
             const bool lost = !met.meets || (met.outside && is_met_again(own()) && is_behind_wall(side, line));
             add(there.outside, Fault::wrong_side);
             add(r.asks_own && met.outside && !lost, Fault::self_hit);
@@ -219,7 +221,7 @@ private:
         }
     }
 
-    /// Those with a neighbour whose surface may lie between p and where the ray starts.
+    /// Finds the faults with a neighbour whose surface may lie between p and the start of the ray.
     void find_faults_with(const Solid<double>& other, const HalfLine& line, NewRay& r) const {
         const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other), now = find_meeting(line, other);
         const bool through = line.from > 0 ? from_p.meets && !now.meets
@@ -228,7 +230,7 @@ private:
         if (!from_p.inside && now.inside) r.faults |= bit_of(Fault::begins_in_neighbour);
     }
 
-    /// What is told beyond half of the way to the next wall is that wall.
+    /// Finds the faults by the form's own arithmetic. A t beyond half of the way to the next wall belongs to that wall.
     void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
         const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(own().shape).info;
         scene::rays::RayBlock rays;
@@ -258,7 +260,7 @@ private:
         else form.rounded(work_.row_.format.parameters, batch, solid, answers);
     }
 
-    /// The first of the roots that the form tells in (tmin, tmax); NaN where there is none.
+    /// First root that the form reports in (tmin, tmax); NaN where there is none.
     static double first_told(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& told) {
         const std::size_t begin = info.roots == intersect::Roots::both ? 1 : 0;
         const std::size_t end = info.roots == intersect::Roots::both ? 3 : 1;

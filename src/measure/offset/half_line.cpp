@@ -55,7 +55,7 @@ std::optional<Meeting> enclosed(const S& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-/// Nothing is inside; what crosses a rim does not meet the open surface.
+/// A surface has no inside. A line that crosses its rim does not meet the open surface.
 template <class E, SurfaceSpan<E> S>
 std::optional<Meeting> enclosed(const S& s) {
     Tri on = Tri::no, meets = Tri::no;
@@ -69,8 +69,8 @@ std::optional<Meeting> enclosed(const S& s) {
     return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
 }
 
-/// Whether the line is inside of a quartic between x = b and `end`, null for all that follows: in a stretch from one
-/// root that it crosses to the next. Running errors look for no roots.
+/// True if the line is inside of a quartic anywhere between x = b and `end`, or anywhere beyond b if `end` is null: in
+/// a stretch from one root that it crosses to the next. Running errors cannot find roots, so they decide nothing here.
 template <class E>
 std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
     if constexpr (std::same_as<E, number::wide::Running<double>>) {
@@ -98,7 +98,7 @@ std::optional<Meeting> enclosed(const QuarticSpan<E>& s) {
     return Meeting{.inside = *at<0, .outside = *at> 0, .meets = *meets};
 }
 
-/// The ray that begins where the half-line does.
+/// Ray that starts where the half-line does.
 template <class E>
 Ray<E> begun(const HalfLine& line) {
     Ray<E> from = lift_ray<E>(line.ray);
@@ -111,16 +111,17 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
     return with_span(begun<E>(line), lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
 }
 
-/// What `find` finds: every sign is told by some precision, most by a running error.
+/// Result of `find` at the first precision that decides. Running errors decide most signs, and enough bits decide every
+/// one.
 template <class Find>
 auto escalate(const Find& find) {
     if (const auto quick = find.template operator()<number::wide::Running<double>>()) return *quick;
     if (const auto found = truth::by_rising_precision(find)) return *found;
-    throw Error(Exit::internal, "no precision was enough to tell on which side of a solid a ray starts");
+    throw Error(Exit::internal, "no precision was enough to decide how a ray meets a primitive");
 }
 
-/// The way a + s(b − a), 0 ≤ s ≤ 1, against the open solid: both ends of it, or the place in between that is nearest to
-/// the middle of a quadratic; of slabs with s ≤ 1 as the end of the ray.
+/// Decides if the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive. A quadratic is tested at both ends, or at
+/// the point in between that is nearest to its middle. For slabs, the ray ends at s = 1.
 template <class E>
 std::optional<bool> passes(const QuadraticSpan<E>& s) {
     for (const auto& c : {sign(s.c), sign<E>(s.a + s.h + s.h + s.c)}) {
@@ -160,20 +161,20 @@ std::optional<bool> passes(const S& s) {
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
-/// What is met behind a touch is neither convex nor flat.
+/// True for shapes that a ray may meet again after it has touched them: those that are neither convex nor flat.
 template <template <class> class Of>
 constexpr bool met_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::is_met_behind_touch;
 
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
-/// From a point of the surface. Towards the axis the point is the near root, and the far one is the next wall where it
-/// lies between the rims.
+/// For a ray from a point of the surface. If it goes towards the axis, the point is the near root, and the far one is
+/// the next wall where it lies between the rims.
 double next_wall_of(const WallSpan<double>& s) {
     const auto& side = s.solid.side;
     if (!(side.h < 0 && s.crossing(1).closed)) return nowhere;
     return ends_of(side)->far;
 }
-/// Away from the solid, where f rises, the point is an exit, and the next crossing an entry.
+/// For a ray that goes away from the primitive, where f rises: the point is an exit, and the next crossing is an entry.
 double next_wall_of(const QuarticSpan<double>& s) {
     const NearRoots<double> roots = near_roots(s.f, s.bound);
     if (roots.count == 0 || !(s.f.slope().at(s.b) > 0)) return nowhere;
@@ -181,7 +182,7 @@ double next_wall_of(const QuarticSpan<double>& s) {
     const auto distance = [&](int i) { return std::fabs(roots.x[static_cast<std::size_t>(i)] - s.b); };
     for (int i = 1; i < roots.count; ++i)
         if (distance(i) < distance(own)) own = i;
-    const int next = own % 2 == 1 ? own + 1 : own;  // an entry is nearest where the stretch that is left is too short
+    const int next = own % 2 == 1 ? own + 1 : own;  // an entry can be nearest where a stretch is very short
     if (next >= roots.count) return nowhere;
     const double t = s.time(roots.x[static_cast<std::size_t>(next)]);
     return t > 0 ? t : nowhere;

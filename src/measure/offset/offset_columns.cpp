@@ -1,4 +1,4 @@
-// The columns of the summary of offsets.
+// Columns of the summary of offsets.
 
 #include "measure/offset/offsets.hpp"
 

@@ -19,10 +19,10 @@ using truth::Truth;
 
 namespace {
 
-/// Lines of a band: every pixel keeps some kilobytes until its band is counted.
+/// Scanlines of a band. They are few, because every pixel keeps some kilobytes until its band is counted.
 constexpr int lines_together = 16;
 
-/// One row on one band.
+/// Measures one row on one band.
 class RowBand {
 public:
     RowBand(const OffsetRequest& request, const OffsetRow& row, const Band& band)
@@ -142,7 +142,7 @@ private:
     OffsetBand out_;
 };
 
-/// Keeps the quantiles that columns ask for.
+/// Keeps the quantiles that the columns show, and frees the rest.
 void seal(OffsetSummary& summary) {
     for (SideSummary& side : summary.sides) {
         for (metric::Distribution* d : {&side.safe, &side.safe_ulps, &side.quiet}) d->seal();
@@ -168,7 +168,7 @@ bool can_be_asked(const intersect::table::Intersector& form) {
 }
 
 const std::vector<std::string_view>& usual_forms() {
-    // The forms that renderers use; of a shape that is not listed, the first of the catalogue that tells t.
+    // Forms that renderers use. For a shape that is not listed, the first form of the catalogue that reports t.
     constexpr std::array<std::string_view, 11> preferred{
         "sphere.half_b",    "box.ieee_minmax",       "triangle.moller_trumbore",
         "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",

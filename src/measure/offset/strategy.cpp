@@ -1,5 +1,5 @@
-// Where the next ray starts, by every published rule: one function each, and the table of them. Constants of rules for
-// float are scaled to other formats as their comments say; u is ½ε of the format.
+// Published rules for the start of the next ray: one function each, and the table of them. Where a rule gives a
+// constant for float, the comment says how it is scaled to other formats. u is ½ε of the format.
 #include "measure/offset/strategy.hpp"
 
 #include <numeric>
@@ -7,8 +7,7 @@
 namespace lostbits::measure::offset {
 namespace {
 
-/// The bits of x moved as an integer by k floats toward +∞ (k < 0: toward −∞). It is for x that stay on their side of
-/// zero.
+/// x with its bits moved as an integer by k floats toward +∞ (k < 0: toward −∞). The result must have the sign of x.
 float moved_by_floats(float x, int k) {
     return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x < 0 ? -k : k));
 }
@@ -21,13 +20,13 @@ BasicRounded<F> moved_by_floats(BasicRounded<F> x, int k) {
     for (; k < 0; ++k) x = next_down(x);
     return x;
 }
-/// One integer addition.
+/// Counted as one integer addition.
 Counted<float> moved_by_floats(const Counted<float>& x, int k) {
     ++operation_counts()[Operation::neighbour];
     return Counted<float>(moved_by_floats(x.value(), k));
 }
 
-/// x toward zero as an integer.
+/// x rounded toward zero, as an integer.
 template <class T>
 int whole_of(const T& x) {
     return static_cast<int>(as_double(x));
@@ -37,19 +36,19 @@ int whole_of(const Counted<float>& x) {
     return static_cast<int>(x.value());
 }
 
-/// n, turned to the side of w.
+/// Normal n, turned to the side of w.
 template <Number T>
 Vec<T> facing(const Leaving<T>& l) {
     return Vec<T>(l.side * l.n.x, l.side * l.n.y, l.side * l.n.z);
 }
 
-/// The whole of what is ahead of an origin.
+/// New ray from an origin; everything ahead of it counts.
 template <Number T>
 Respawn<T> from(const Vec<T>& origin, const Leaving<T>& l) {
     return {origin, T(0), l.reach, true};
 }
 
-/// 10^-k: of float the literal 1e-3f, and of any format the nearest number to the quotient.
+/// 10^-k: the quotient of 1 and 10^k, rounded to the format. For float and k = 3 it is the literal 1e-3f.
 template <Number T, int k>
 T tenth_power() {
     T x(1);
@@ -88,7 +87,7 @@ struct AlongNewRay {
     }
 };
 
-/// k units in the last place of the largest coordinate.
+/// Moves p along n by k units in the last place of its largest coordinate.
 template <int k>
 struct Ulps {
     template <Number T>
@@ -98,7 +97,8 @@ struct Ulps {
     }
 };
 
-/// The bits moved by 256 n, or, where |p| < 1/32, p + n/65536. 1/65536 is 256u of float, and 256u of any format here.
+/// Moves each component: its bits by 256 n, or, where |p| < 1/32, to p + n/65536. 1/65536 is 256u of float; other
+/// formats use 256u too.
 struct Integer {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -113,8 +113,8 @@ struct Integer {
     }
 };
 
-/// The bits moved by 32 to the side where n points, or, where |p| < 1, p + 1e-5 n: 1e-5 is 167.8u of float, and 1e-5
-/// times u over that of float in any format.
+/// Moves each component: its bits by 32 to the side to which n points, or, where |p| < 1, to p + 1e-5 n. 1e-5 is 167.8u
+/// of float; other formats use the same multiple of their u.
 struct Cycles {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -129,13 +129,13 @@ struct Cycles {
     }
 };
 
-/// 1500u is 750ε; a ray that is aimed at something ends at 1 − 15000u of the way.
+/// Moves p by (1 + max |p|) 1500u, and 1500u is 750ε. A ray that is aimed at something ends at 1 − 15000u of the way.
 struct Relative {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
         const T e = (T(1) + largest_of<T>(l.p)) * (T(1500) * unit_roundoff<T>());
         const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * l.reach;
-        const bool ends = l.reach + l.reach > l.reach;  // not for an infinite one
+        const bool ends = l.reach + l.reach > l.reach;  // false for an infinite reach
         return {moved<T>(l.p, l.side * e, l.n), T(0), select(ends, shorter, l.reach), true};
     }
 };
@@ -149,7 +149,7 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
     return o;
 }
 
-/// In the space of the solid.
+/// Point with its error bound; under a matrix both are in object space.
 template <Number T>
 BoundedPoint<T> bounded_there(const Leaving<T>& l) {
     return visit(l.solid, [&l](const auto& shape) {
@@ -158,7 +158,7 @@ BoundedPoint<T> bounded_there(const Leaving<T>& l) {
     });
 }
 
-/// M p and its bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|): pbrt-v4's Transform::operator()(Point3fi).
+/// M p, and its bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|), as in pbrt-v4's Transform::operator()(Point3fi).
 template <Number T>
 BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
     const T g = gamma_bound<T>(3);
@@ -173,7 +173,7 @@ BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
     return to;
 }
 
-/// Under a matrix the bound is taken to the world with the point, as pbrt's SpawnRay has it.
+/// Under a matrix, the bound is transformed to world space together with the point, as in pbrt's SpawnRay.
 struct Bound {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -182,7 +182,8 @@ struct Bound {
     }
 };
 
-/// The same in the space of the solid, and the origin taken to the world: what it rounds there is not counted.
+/// Applies the bound in object space, and transforms the new origin to world space. The rounding of that transform is
+/// not part of the bound.
 struct BoundInObject {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -231,7 +232,7 @@ constexpr Strategy strategy_rows[] = {
     row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
     row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
                "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
-    row<BoundInObject>("offset.bound_object", "the same before a matrix takes p to the world; without one the same",
+    row<BoundInObject>("offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
                        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
                        "of the shape"),
     row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",

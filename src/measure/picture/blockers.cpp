@@ -14,7 +14,7 @@ struct Part {
     bool own_counts;
 };
 
-/// One chunk of shadow rays against all solids.
+/// Tests one chunk of shadow rays against all primitives.
 template <class S, class Kernel>
 void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
                      const Part& part, std::vector<std::uint8_t>& blocked) {

@@ -46,8 +46,8 @@ Seen seen_of(const Truth& truth, bool hit, double t, std::int32_t object) {
     return object == truth.object ? Seen::same_sphere : Seen::other_sphere;
 }
 
-/// Between n as computed (of any length) and the true unit normal: atan2(|n × N|, n·N), the products in double-double,
-/// for the cross product of vectors 2^-53 apart is all cancellation.
+/// Angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The products are in
+/// double-double, because the cross product of vectors 2^-53 apart is all cancellation.
 double angle_between(const Vec<double>& n, const std::array<Tight, 3>& truth) {
     if (!is_finite(n)) return missing;
     const Vec<Ball> a(Ball(n.x), Ball(n.y), Ball(n.z));
@@ -70,14 +70,14 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
     return Shadow::not_compared;
 }
 
-/// What one format receives of a band, for all forms.
+/// Inputs of one format on a band, shared by all forms.
 struct Inputs {
     truth::FormatInputs geometry;
     StoredAppearance<double> look;
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
 };
 
-/// One form in one format on one band.
+/// Renders one form in one format on one band.
 class RowRenderer {
 public:
     RowRenderer(const RenderRequest& request, const TestedForm& row, const Band& band, const Inputs& in,
@@ -121,7 +121,7 @@ private:
     }
     [[nodiscard]] bool unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
-    /// The point and the normal as the format computes them, and how far they are off.
+    /// Computes the point and the normal in the format, and their errors.
     void see() {
         const metric::Metric& residual = *metric::find_metric("residual");
         for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
@@ -143,8 +143,9 @@ private:
         });
     }
 
-    /// The normal where the ray is in the space of the solid, as the form's own way leads there, and A⁻ᵀ of it, made
-    /// unit. A way that takes adj(A) for A⁻¹ and a solid |det A| times as large has its ray made as much smaller.
+    /// Normal in world space: the normal in object space, where the form's own transform method takes the ray, times
+    /// A⁻ᵀ and made unit. A transform method that takes adj(A) in place of A⁻¹ works with a primitive |det A| times as
+    /// large, so its ray is divided by that factor here.
     template <class T>
     [[nodiscard]] Vec<T> normal_under_matrix(const Solid<T>& solid, const Ray<double>& ray, double t) const {
         const auto& steps = intersect::space::steps_in<T>(
@@ -162,8 +163,8 @@ private:
         double reach = 1;
     };
 
-    /// The ray to the light, made in the format. A form that is entitled to unit directions gets one, and the light is
-    /// then as far as the format says.
+    /// Ray to the light, computed in the format. A form that asks for unit directions gets one, and `reach` is then the
+    /// distance of the light as the format computes it.
     template <class T>
     [[nodiscard]] Cast towards_light(std::size_t i) const {
         const auto& rule = *appearance_.shadows;

@@ -1,4 +1,4 @@
-// The summary of a rendered picture: what is counted, and its columns.
+// Summary of a rendered picture: its counts, and its columns.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +25,8 @@ double seen(const R& r) {
     return number(r.count(s));
 }
 
-/// Points on spheres, or the background, whose light is truly there (or truly blocked).
+/// Number of points, on spheres or on the background, that truly get the light (`truly_dark`: whose light is truly
+/// blocked).
 std::uint64_t truly_lit(const R& r, bool background) {
     return r.count(background, Shadow::both_lit) + r.count(background, Shadow::false_shadow) +
            r.count(background, Shadow::own_shadow);
@@ -39,7 +40,8 @@ double shadows(const R& r) {
     return r.rule.shadows ? number(r.count(background, s)) : missing;
 }
 
-/// A point on a sphere that faces the light, in true shadow, whose true colour is brighter than its ambient light.
+/// True if the true colour of a point is brighter than its ambient light although the point is truly in shadow. The
+/// point lies on a sphere and faces the light.
 bool keeps_light(const TruePixel& truth, const TrueColour& colour, const Paint<double>& paint) {
     for (int k = 0; k < 3; ++k) {
         if (colour.channel[static_cast<std::size_t>(k)].hi > paint.ambient * paint.colour[k] + 0x1p-40)

@@ -37,7 +37,8 @@ bool tighten(const Interval& x, Tight& out) {
     return tight;
 }
 
-/// 255c rounded half up and clamped, where it is certain: k ≤ 255c + ½ < k + 1, the ends 0 and 255 open outward.
+/// 255c rounded half up and clamped; false where that is not certain. k is certain where k ≤ 255c + ½ < k + 1, with no
+/// lower end for k = 0 and no upper end for k = 255.
 template <class E>
 bool settle_byte(const E& c, double middle, std::uint8_t& byte) {
     const E x = E(255) * c + E(1) / E(2);
@@ -62,7 +63,8 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
     return out.certain;
 }
 
-/// A ray and a solid as it is stored, in whose space that ray has the same t.
+/// Ray and primitive in object space. The primitive is as it is stored, up to a scale of the transform; the ray has the
+/// same t as in world space.
 template <class E>
 struct Asked {
     Ray<E> ray;
@@ -79,7 +81,7 @@ struct Asked {
     }
 };
 
-/// A⁻ᵀ n, made unit: of adj(A) the rows of its transpose, with the sign of the determinant.
+/// A⁻ᵀ n, made unit. Where no inverse is stored it is taken from adj(A), with the sign of the determinant.
 template <class E>
 Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
     const Affine<E> m = placed.map();
@@ -88,7 +90,7 @@ Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
     return unit_of<E>(E(placed.orientation) * Vec<E>(dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)));
 }
 
-/// The sphere stands between p and the light: hit at 0 < t < 1 of the way.
+/// Tells if the primitive stands between p and the light: the segment hits it at 0 < t < 1.
 template <class E>
 Tri blocks(const Solid<E>& solid, const Vec<E>& p, const Vec<E>& light) {
     const Asked<E> asked({p, light - p}, solid);
@@ -102,7 +104,8 @@ bool settle(Tri shadowed, TrueShadow& out) {
     return !shadowed.is_unknown();
 }
 
-/// S is the storage of the ideal numbers: double where they are shared, Real where each format has its own.
+/// Finds true pixels. S stores the ideal numbers: double where all formats share them, Real where each format has its
+/// own.
 template <class S>
 class Reference {
 public:

@@ -19,7 +19,8 @@ constexpr int timed_pixels = 2048;
 constexpr std::size_t most_solids = 4;
 constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
 
-/// How many of the band's rays truly hit each solid first; `same_as` names for each the solid that stands for it.
+/// Counts the rays of the band that truly hit each primitive first. `same_as` names for each primitive the one that
+/// stands for it; if it is empty, each stands for itself.
 std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
@@ -29,7 +30,7 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
     return hits;
 }
 
-/// Of each solid, the first that has the same numbers.
+/// Index of the first primitive with the same numbers, for each primitive.
 std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
     using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
     std::map<std::tuple<Shape, decltype(Solid<double>::numbers), Matrix>, int> places;
@@ -61,7 +62,7 @@ std::vector<std::size_t> solids_to_time(const std::map<int, std::size_t>& hits, 
 
 }  // namespace
 
-/// Rays of a format in columns, room for the answers, and the solids.
+/// Rays of a format in columns, a buffer for their answers, and the primitives.
 template <class S>
 struct SceneWork::Store {
     answer::KernelRoom<S> room;

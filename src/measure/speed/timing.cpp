@@ -17,7 +17,7 @@
 namespace lostbits::measure::speed {
 namespace {
 
-/// The compiler may not move, drop or join what lies before and after.
+/// Keeps the compiler from moving, dropping or joining memory accesses across this point.
 void settle_memory() { asm volatile("" ::: "memory"); }
 
 using Clock = std::chrono::steady_clock;
@@ -31,7 +31,7 @@ double seconds_of(const TimedWork& work, std::uint64_t passes) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Passes that last `least` seconds, found by doubling.
+/// Number of passes that last `least` seconds, found by doubling.
 std::uint64_t passes_for(const TimedWork& work, double least) {
     work.pass();
     for (std::uint64_t passes = 1;; passes *= 2) {
@@ -47,7 +47,7 @@ std::size_t from_system([[maybe_unused]] int name, std::size_t otherwise) {
     return size > 0 ? static_cast<std::size_t>(size) : otherwise;
 }
 
-/// What the calling thread may use; nothing where the system does not say.
+/// Processors that the calling thread may use; empty where the system does not report them.
 std::vector<int> processors_of_thread() {
     std::vector<int> all;
 #if defined(__linux__)
@@ -60,7 +60,7 @@ std::vector<int> processors_of_thread() {
     return all;
 }
 
-/// Keeps the calling thread on these. Refused, it is timed where it runs.
+/// Pins the calling thread to these processors. False where the system refuses: the thread then stays where it is.
 bool keep_on([[maybe_unused]] const std::vector<int>& processors) {
 #if defined(__linux__)
     cpu_set_t set;
@@ -80,7 +80,8 @@ int own_processor() {
 #endif
 }
 
-/// Passes a second for `seconds`, asked of the clock after every 2^k passes that a sixteenth of the time has room for.
+/// Passes a second, measured for `seconds`. The clock is read after each batch of passes; batches double until a
+/// sixteenth of the time has passed.
 double rate_of(const std::function<void()>& pass, double seconds) {
     const auto since = [](Clock::time_point start) {
         return std::chrono::duration<double>(Clock::now() - start).count();
@@ -98,7 +99,7 @@ double rate_of(const std::function<void()>& pass, double seconds) {
     return passes / took;
 }
 
-/// The sum over the threads, which start together on these processors.
+/// Sum of the rates of all threads, which start together, one on each of these processors.
 double rate_together(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
                      double seconds) {
     std::vector<double> rates(passes.size());

@@ -29,7 +29,7 @@ const FamilyRow& family_of(Shape shape) {
     return *std::ranges::find(scene::sweep::families(), shape, &FamilyRow::shape);
 }
 
-/// The row of a form in a table of rows; null if it has none.
+/// Row of a form in a table; null if the table does not have the form.
 template <class Row>
 const Row* row_of(std::span<const Row> rows, std::string_view form) {
     const auto found = std::ranges::find_if(rows, [form](const Row& row) { return row.info->name == form; });

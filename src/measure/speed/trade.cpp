@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t slice_in_memory = std::size_t{1} << 14;  // rays: about 600 kB a call
 
-/// The arrays of a load in both formats; those of a format that is not timed stay empty.
+/// Arrays of a load in both formats; null for a format that is not timed.
 struct Stores {
     std::unique_ptr<RayStore<float>> f32;
     std::unique_ptr<RayStore<double>> f64;
@@ -29,7 +29,7 @@ TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warm) {
     return {[&store, kernel] { store.run(kernel); }, store.slice(), warm};
 }
 
-/// The same on rays of a scene.
+/// Fills `times`: every kernel on rays of the scene, interleaved.
 void time_on_scene(const TradeRequest& request, TradeResult& result) {
     SceneWork on_scene(*request.scene, request.limit);
     std::vector<TimedWork> work;
@@ -73,7 +73,7 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
         result.times[i / stores.size()][i % stores.size()].timing = timings[i];
 }
 
-/// Kernels of one row share its measurement.
+/// Measures accuracy, once for all kernels of a row.
 void measure_all(const TradeRequest& request, TradeResult& result) {
     std::vector<TestedForm> rows;
     for (const TradeKernel& k : request.kernels) {
@@ -125,7 +125,7 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
     for (const TestedForm& row : rows) {
-        // A row through the space of a solid takes the registers of the run.
+        // A row under a matrix uses the current register width.
         const auto isas = row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
                                                           : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {

@@ -10,7 +10,7 @@ namespace lostbits::measure::stability {
 
 namespace {
 
-/// The tangents of all nodes along one input.
+/// Derivatives of all nodes by one input, each rounded to the format of its node.
 class Tangents {
 public:
     Tangents(const Tape& tape, NodeId input) : tape_(tape), of_(tape.nodes.size()) {
@@ -55,7 +55,7 @@ private:
     std::vector<double> of_;
 };
 
-/// `see(crossing)` for the first three crossings after `begin`, until it says yes.
+/// Calls `see(t)` for the first three crossings within a range, in order, until it returns true. True if it did.
 template <class See>
 bool any_crossing(const Ray<double>& ray, const Solid<double>& solid, Range<double> range, const See& see) {
     intersect::Convention every;
@@ -82,7 +82,7 @@ std::vector<double> forward_derivatives(const Tape& tape) {
 bool is_wrong_root(const Ray<double>& ray, const Solid<double>& solid, const truth::Certified& truth, double t) {
     const double meant = std::ldexp(truth.hi, static_cast<int>(truth.exponent));
     const auto is_at = [&](double other) { return std::fabs(t - other) <= std::fabs(other - meant) / 4; };
-    // Beyond what a truth that was rounded to double may be off.
+    // Just beyond the true t, by more than the rounding of a truth to double can move it.
     const double beyond = meant * (1 + 0x1p-50);
     if (any_crossing(ray, solid, {.tmin = beyond, .open = {.tmin = true}}, is_at)) return true;
     const Ray<double> back{ray.origin, -ray.direction};

@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t most_inputs = 6 + most_stored;
 using Near = number::wide::AffineForm<most_inputs>;
 
-/// A problem in units in which its largest length and its largest component of d are about 1, which changes no answer,
-/// and all problems within ε of it.
+/// A problem, and all problems within ε of it. Its units are those in which its largest length and its largest
+/// component of d are about 1; the choice of units changes no answer.
 class Neighbours {
 public:
     Neighbours(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed)
@@ -33,7 +33,7 @@ public:
         }
         matrix_ = end_;
         if (solid.placed) {
-            // The linear part keeps its unit: both spaces have the same.
+            // The linear part of a matrix needs no unit: world space and object space have the same one.
             for (std::size_t k = 0; k < 12; ++k) numbers_[matrix_ + k] = solid.placed->matrix[place_in_matrix(k)];
             vector(Of::nothing, 9), vector(Of::length, 3);
         }
@@ -48,18 +48,19 @@ public:
             const bool is_zero = numbers_[i] == 0;
             if (of_[i] != Of::nothing)
                 numbers_[i] = std::ldexp(numbers_[i], of_[i] == Of::length ? -length_ : -direction_);
-            // So small beside the largest it or its step may underflow, and loses no more than this.
+            // A number so small beside the largest may underflow, and so may its step. Neither loses more than this.
             if (!is_zero && std::fabs(numbers_[i]) < 0x1p-900) lost_[i] = 0x1p-900;
         }
     }
 
-    /// Of an infinity itself; NaN, which decides nothing, where it underflows.
+    /// t in the units of the problem. Infinity stays infinity. NaN, which decides nothing, where the scaling
+    /// underflows.
     [[nodiscard]] double in_time(double t) const {
         const double scaled = std::ldexp(t, direction_ - length_);
         return std::isinf(t) || std::ldexp(scaled, length_ - direction_) == t ? scaled : std::nan("");
     }
 
-    /// Every ray and solid within ε, where they are proper.
+    /// Enclosure of every ray and primitive within ε, as long as they are proper.
     struct All {
         Ray<Near> ray;
         Solid<Near> solid;
@@ -103,7 +104,7 @@ private:
     int length_ = none, direction_ = none;
 };
 
-/// Whether none of these matrices is singular, so that each has the determinant's sign of the one that is stored.
+/// True if no matrix within ε is singular, so that each has a determinant of the same sign as the stored one.
 bool all_proper(const Solid<Near>& solid) {
     if (!solid.placed) return true;
     const Near determinant = solid.placed->map().determinant(), zero(0);
@@ -112,8 +113,8 @@ bool all_proper(const Solid<Near>& solid) {
 
 constexpr double least_change = 0x1p-90, most_change = 0.5;
 
-/// The largest ε for which `holds` is proved, to 2^(1/16): by halves of its exponent, as what holds within ε does
-/// within less.
+/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), and at most `most_change`; 0 where not even
+/// `least_change` is proved. Bisects the exponent: what holds within ε holds within less, too.
 template <class Holds>
 double largest(const Holds& holds) {
     if (!holds(least_change)) return 0;
@@ -126,7 +127,8 @@ double largest(const Holds& holds) {
     return std::exp2(low);
 }
 
-/// On which side of m the answer of every ray that hits lies: −1 and +1 prove that it is not m, also where some miss.
+/// Side of m on which the answers of all rays that hit lie. −1 and +1 prove that no answer is m, even where some rays
+/// miss.
 template <class S>
 std::optional<int> side_if_any(const S& span, const Near& m, const RangeOfSpan<Near>* range,
                                intersect::Convention convention) {
@@ -136,7 +138,7 @@ std::optional<int> side_if_any(const FlatSpan<Near>& span, const Near& m, const 
                                intersect::Convention) {
     return side_of_fraction(span.at, span.d2, m, Length::parameter);
 }
-/// The largest entry comes after m where any does, and before it where all do.
+/// The largest entry lies after m if any entry does, and before m if all do.
 std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const RangeOfSpan<Near>* range,
                                intersect::Convention convention) {
     const bool is_exit =
@@ -151,7 +153,7 @@ std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const 
     return all_before ? std::optional(-1) : std::nullopt;
 }
 
-/// What is asked of the problems near one.
+/// A problem with its convention and range, for questions about all problems near it.
 class Asked {
 public:
     Asked(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed, intersect::Convention convention,
@@ -164,7 +166,8 @@ public:
     }
 
     [[nodiscard]] double in_time(double t) const { return neighbours_.in_time(t); }
-    /// `act(ray, solid, range, convention)`; false where a matrix may be singular.
+    /// Result of `act(ray, solid, range, convention)` on all problems within `epsilon`; false where a matrix may be
+    /// singular.
     template <class Act>
     bool of_all_within(double epsilon, const Act& act) const {
         const auto all = neighbours_.within(epsilon);

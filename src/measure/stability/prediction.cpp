@@ -40,7 +40,7 @@ std::uint64_t seed_of(const Tape& tape) {
     return seed;
 }
 
-/// By the values of a tape.
+/// Operands of a node, by the values on a tape.
 struct Values {
     const Tape& tape;
     const TapeNode& n;
@@ -50,7 +50,7 @@ struct Values {
     [[nodiscard]] bool holds(std::size_t k) const { return of(k) != 0; }
 };
 
-/// The value of a node by those before it, rounded to nearest.
+/// Value of a node, computed from the values of its operands and rounded to nearest.
 double value_of(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
     const Values values{tape, n};
@@ -66,7 +66,8 @@ double value_of(const Tape& tape, NodeId i) {
     return result_of(n.op, x, tape.format_of(i));
 }
 
-/// Outward rounding by hand, `next_up`, is no rounding: it is meant.
+/// True for operations that round. `next_up` and `next_down` are none of them: the step that they make is part of the
+/// formula.
 bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::call || op == TapeOp::convert; }
 
 void run_at_random(Tape& tape, Coins& coins) {

@@ -14,10 +14,11 @@ using number::wide::ColumnProgram;
 
 namespace {
 
-/// Rays of a block: the columns of most programs stay in the second cache, and what calls of kernels cost is shared.
+/// Rays of a block. The columns of most programs then stay in the second-level cache, and many rays share the cost of a
+/// kernel call.
 constexpr std::size_t block = 128;
-/// Doubles from column to column: not a multiple of 4096 bytes, or the processor takes a load for one of what was just
-/// stored.
+/// Doubles from the start of one column to the next. Not a multiple of 4096 bytes, or the processor would mistake a
+/// load for one of what was just stored.
 constexpr std::size_t column_step = block + 8;
 constexpr std::size_t most_lanes = 8;
 
@@ -37,7 +38,7 @@ double* room_of_thread(std::size_t doubles) {
 
 }  // namespace
 
-/// The layout of a program's columns in its room.
+/// Layout of a program's columns in its buffer.
 class ColumnRun::Layout {
 public:
     Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t same)
@@ -48,7 +49,8 @@ public:
         for (std::size_t k = 0; k < program.inputs; ++k)
             if (at_[k].last >= 0) place(at_[k]);
     }
-    /// Places what an instruction gives where what it takes for the last time has been.
+    /// Places the results of an instruction, in the columns of operands that it reads for the last time where there are
+    /// any.
     void step(const ColumnInstruction& one, std::ptrdiff_t number) {
         for (std::size_t k = 0; k < one.ins; ++k) release(one.in[k], number);
         for (std::size_t k = 0; k < one.outs; ++k) {
@@ -75,7 +77,7 @@ private:
     struct Column {
         bool once = false;
         std::uint32_t offset = 0;
-        std::ptrdiff_t last = -1;  ///< the instruction that reads it last; none before −1
+        std::ptrdiff_t last = -1;  ///< index of the instruction that reads it last; −1: none
     };
     static constexpr std::ptrdiff_t never = std::numeric_limits<std::ptrdiff_t>::max();
 
@@ -190,7 +192,7 @@ void ColumnRun::run(const RawProblems<S>& p) const {
 }
 
 void ColumnRun::run_block(double* room, std::size_t packs) const {
-    bool are_wanted = true;  // numbers; decisions always are
+    bool are_wanted = true;  // applies to numbers; decisions always are
     for (const Step& step : each_) {
         if (!step.kernel) {
             const bool is_once = step.operands[0].step == 0;

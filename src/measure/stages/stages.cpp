@@ -15,14 +15,16 @@ using intersect::simd::Isa;
 
 namespace {
 
-/// The function that fills the table was compiled for the width too, so a width that the machine has not is not filled.
+/// Calls the function that fills the table. It is compiled for its register width too, so it must not be called for a
+/// width that the machine lacks.
 RawStages filled_by(void (*fill)(RawStages&)) {
     RawStages kernels{};
     fill(kernels);
     return kernels;
 }
 
-/// Registers of 512 bits have the kernels of 256, with which maps took 3 to 4 % more of the processor.
+/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with kernels of
+/// their own, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {
@@ -34,7 +36,7 @@ const RawStages& kernels_at(Isa isa) {
     return w128;
 }
 
-/// Programs as they run: each is recorded when it is first asked for.
+/// Cache of programs that are ready to run: each is recorded at its first use.
 class Runs {
 public:
     static const ColumnRun& of(const StageTerms& terms, const RawStages& kernels, std::uint64_t same) {
@@ -56,7 +58,7 @@ private:
     std::map<Key, std::unique_ptr<ColumnRun>> all_;
 };
 
-/// Bit k is set where input k is one number for every problem, or is not there.
+/// Sets bit k where input k is the same number for every problem, or is missing.
 template <class S>
 std::uint64_t same_inputs(const RawProblems<S>& p) {
     std::uint64_t same = 0;

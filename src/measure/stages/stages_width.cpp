@@ -1,4 +1,4 @@
-// The stages in registers of one width; compiled once for each.
+// The stages in registers of one width; compiled once for each width.
 #include "measure/stages/stage_loops.hpp"
 #include "number/width.hpp"
 

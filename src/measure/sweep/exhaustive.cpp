@@ -50,7 +50,7 @@ void FloatTally::append(const FloatTally& after) {
 namespace {
 
 constexpr std::uint64_t block_size = std::uint64_t{1} << 16;
-constexpr std::size_t blocks_at_once = 32;  // the state is whole after each so many: a second's work for ten forms
+constexpr std::size_t blocks_at_once = 32;  // the state is complete after each 32: a second's work for ten forms
 
 /// A part of a binade that one thread tries.
 struct Block {
@@ -58,8 +58,8 @@ struct Block {
     FloatRange floats;
 };
 
-/// Those of a share. A binade is always cut at the same places, since what is worst may depend on the cuts within 2^-20
-/// of it; of every float there is they are 2^16 blocks and some.
+/// Blocks of a share. A binade is always cut at the same floats, because the worst float that is found may depend on
+/// the cuts, within 2^-20 of its error. All floats there are make a little more than 2^16 blocks.
 std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {
@@ -108,7 +108,7 @@ void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
     if (tallies.size() != binades_of(request.sweep).size() * each || counted != tried * each)
-        throw std::out_of_range("tallies of a sweep over every float are those of another");
+        throw std::out_of_range("the tallies belong to another sweep over every float");
 }
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {

@@ -16,10 +16,11 @@ namespace {
 
 constexpr std::size_t chunk_size = 4096;  // the columns of a chunk stay in the second-level cache
 
-/// More open questions than this are put to packs before each is put to the whole truth.
+/// If more floats than this are open, they are first refined together in packs. A few are given to the full truth
+/// directly, one by one.
 constexpr std::size_t few = 8;
 
-/// A form at the floats of a chunk, onto what is known of the floats before them.
+/// Adds the results of a form at the floats of a chunk to the tally of the floats before them.
 class ChunkTally {
 public:
     ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, FloatTally& onto, std::size_t& left)
@@ -34,7 +35,7 @@ public:
         }
     }
 
-    /// `padding(i)`: by how many u the slabs of float i come apart.
+    /// `padding(i)` is the number of u by which the slabs of float i come apart.
     template <class PaddingOf>
     void add_padding(const PaddingOf& padding) {
         if (ulps_.counts()[static_cast<std::size_t>(Outcome::false_miss)] == 0) return;
@@ -67,13 +68,13 @@ private:
         onto_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
     }
 
-    /// An error from which on a float is worse than all before it.
+    /// Error above which a float counts as worse than all before it.
     [[nodiscard]] double worse_from() const {
         const double beaten = onto_.worst ? std::fabs(onto_.worst->ulps) : -1;
         return beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
     }
 
-    /// The floats that may be worse than those before them and than all that others surely are.
+    /// Floats that may be worse than all before them, and at least as bad as every float of the chunk is known to be.
     [[nodiscard]] std::vector<std::size_t> rivals() const {
         std::vector<std::size_t> found;
         const double floor = worse_from();
@@ -96,7 +97,8 @@ private:
         } else if (some.size() <= left_) {
             left_ -= some.size();
             ulps_.refine(some);
-            // They are known to 2^-48 now: the first that may be the largest is so near to it that it stands for all.
+            // Their errors are known to 2^-48 now. The first float that may have the largest error is so near to it
+            // that it stands for all.
             take_if_worse(first_largest(some));
         } else if (ulps_.most_at_least() > worse_from()) {
             take_if_worse(first_largest(some));
@@ -134,17 +136,17 @@ private:
     UlpColumns& ulps_;
     const scene::sweep::FloatRange& floats_;
     FloatTally& onto_;
-    std::size_t& left_;  ///< so many floats may still be refined in search of the worst
+    std::size_t& left_;  ///< number of floats that may still be refined in search of the worst
 };
 
-/// The box that a form asks at the floats of an axis, and how far its slabs come apart there. Of a form of boxes its
-/// solid, of a form behind a box that box; of others none.
+/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. For a form of boxes it is
+/// the primitive, for a form behind a box that box; other forms have none.
 class BoxOfRow {
 public:
     explicit BoxOfRow(const evaluate::TestedForm& row) : row_(row), behind_(intersect::hull::made_of(*row.form)) {}
 
     [[nodiscard]] bool is_asked() const { return row_.form->shape == hull_shape || behind_.form != nullptr; }
-    /// By how many u tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
+    /// Number of u by which tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
     [[nodiscard]] double padding(const AxisColumns& columns, std::size_t i) {
         if (!same_ || columns.solid_varies()) same_ = box_around(columns.solid(i));
         return metric::padding(columns.ray_for(row_, i), *same_);
@@ -163,10 +165,10 @@ private:
 
     const evaluate::TestedForm& row_;
     intersect::hull::HullParts behind_;
-    std::optional<Hull<float>> same_;  ///< where the axis leaves the solid as it is
+    std::optional<Hull<float>> same_;  ///< the last box; still right where the axis does not change the primitive
 };
 
-/// Rows that are held against the same truth.
+/// Rows that are compared with the same truth.
 struct RowsOfTruth {
     truth::ColumnTerms terms;
     std::vector<std::size_t> rows = {};

@@ -18,7 +18,7 @@ const std::vector<const metric::Metric*>& measured() {
     return metrics;
 }
 
-/// The floats as one band.
+/// Floats on a ray, measured as one band.
 class FloatBand {
 public:
     explicit FloatBand(const FloatsOnRay& of)

@@ -65,7 +65,7 @@ truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& te
     return truth::find_truth(group.rays[0], group.solids[0], terms.limit, terms.convention, group.rays.range(0));
 }
 
-/// The directions that forms for unit length receive, as maps give them.
+/// Makes the directions that forms for unit directions receive, as they receive them in maps.
 void AxisColumns::make_unit_directions() {
     if (units_made_) return;
     units_made_ = true;
@@ -78,7 +78,8 @@ void AxisColumns::make_unit_directions() {
     }
 }
 
-/// Once for all forms: they are many, and a form takes little longer than the making of its solid.
+/// Makes the primitives once for all forms. There are many forms, and each takes little longer to run than its
+/// primitives take to make.
 void AxisColumns::make_solids() {
     if (solids_made_) return;
     solids_made_ = true;
@@ -117,8 +118,8 @@ void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<st
     else answer_solids(row, batch, hits);
 }
 
-/// One ray against many solids has a kernel of packs with the same bits. One that is told where the ray ends does not
-/// tell a miss from a hit there.
+/// Uses the packed kernel for one ray against many primitives where there is one; it gives the same bits. A kernel that
+/// takes tmax is not used, because it cannot tell a miss from a hit at tmax.
 void AxisColumns::answer_solids(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
@@ -135,8 +136,8 @@ void AxisColumns::answer_solids(const TestedForm& row, const RayBatch<float>& ra
 namespace {
 
 /// 1/ulp(t*) in binary32 for t* = hi + lo ≥ 0, whose binade is proved: 2^(23 − max(⌊log2 t*⌋, −126)). Where hi is a
-/// power of two and lo < 0, t* lies below it, and so does the double before hi. In operations that every width of
-/// register has.
+/// power of two and lo < 0, t* lies below hi, and so does the double before hi. Uses only operations that registers of
+/// every width have.
 double per_ulp(double hi, double lo) {
     constexpr double smallest_normal = 0x1p-126;
     const auto below = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) - (lo < 0 ? 1U : 0U));
@@ -149,8 +150,8 @@ struct Between {
     double low, high;
 };
 
-/// |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. t − hi is rounded once, and so is the difference with lo, each to
-/// 2^-53 of itself; where they cancel, t − hi is exact. 2^-50 covers both, and the product with the bound.
+/// Bounds of |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. t − hi is rounded once, and so is the difference with lo,
+/// each to 2^-53 of itself; where they cancel, t − hi is exact. 2^-50 covers both, and the product with the bound.
 Between between(float t, double hi, double lo, double bound) {
     const double scale = per_ulp(hi, lo);
     const double size = std::fabs((static_cast<double>(t) - hi) - lo) * scale;
@@ -158,7 +159,7 @@ Between between(float t, double hi, double lo, double bound) {
     return {size * (1 - 0x1p-50) - aside * (1 + 0x1p-50), (size + aside) * (1 + 0x1p-50)};
 }
 
-/// In eight parts, which registers can hold side by side.
+/// Largest element; found in eight parts, which registers can hold side by side.
 double largest(const std::vector<double>& x) {
     constexpr std::size_t parts = 8;
     std::array<double, parts> most{};
@@ -173,12 +174,13 @@ double largest(const std::vector<double>& x) {
 
 }  // namespace
 
-/// Into `outcome_`; counted. Most often all floats of a chunk have the same.
+/// Writes the outcomes into `outcome_` and counts them. Most often all floats of a chunk have the same one.
 void UlpColumns::classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth) {
     static const answer::OutcomeTable table;
     const auto outcome_of = [](std::uint8_t kind) { return static_cast<std::uint8_t>(table[kind]); };
     const std::size_t n = t_.size();
-    // Local pointers: a store of bytes could reach the vectors themselves, and the loop would stay one float at a time.
+    // Local pointers, because a store of bytes could change the vectors themselves: the compiler would then handle one
+    // float at a time.
     const auto* const decision = truth.decision.data();
     const std::uint8_t* const hits = hit.data();
     const float* const t = t_.data();
@@ -227,7 +229,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
             if (outcome_[i] != both_hit) low[i] = high[i] = -1;
         }
     }
-    // The columns do not hold a length beyond 2^±900.
+    // Columns cannot hold a length beyond 2^±900.
     for (const auto& [i, alone] : truth.alone) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
         const auto& length = terms_.length == truth::Length::parameter ? alone.t : alone.distance;

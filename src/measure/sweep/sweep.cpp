@@ -19,24 +19,25 @@ using metric::Metric;
 
 namespace {
 
-/// The rows of one step.
+/// Measures rows at one step.
 std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& rows,
                                   const std::vector<double>& values) {
     return evaluate::measure_groups(request.sweep.rays(values), rows, request.metrics, request.limit);
 }
 
-/// One thing that can first happen: its value at a step, NaN where there is none.
+/// Event whose first step is looked for: it happens where its value reaches the threshold. The value is NaN where there
+/// is none.
 struct Event {
     std::string name, statistic;
     double threshold;
     std::function<double(const FormSummary&)> value;
 
     [[nodiscard]] bool happens(const FormSummary& s) const { return value(s) >= threshold; }
-    /// A form that hits nothing any more has no bits to lose, and is not good again.
+    /// False for NaN: a form that hits nothing any more loses no bits, but is not good again.
     [[nodiscard]] bool is_good(const FormSummary& s) const { return value(s) < threshold; }
 };
 
-/// Whether it is what a step into the space of a solid under a matrix loses, in ulps.
+/// True for a metric of what a step to object space or back loses, in ulps.
 bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
 
 std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
@@ -68,8 +69,8 @@ std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metr
     return events;
 }
 
-/// Measures only what events are about, in the places that it has among the request's metrics; conditioning costs far
-/// more.
+/// Request that measures only the metrics that events need, because conditioning costs far more. Each keeps its index
+/// among the metrics of the request.
 SweepRequest for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
@@ -80,7 +81,7 @@ SweepRequest for_events(SweepRequest request) {
     return request;
 }
 
-/// Evaluates a row between the steps, remembering what it has seen: neighbouring events ask for the same places.
+/// Evaluates a row between the steps and remembers the results, because neighbouring events need the same values.
 class StepsBetween {
 public:
     StepsBetween(const SweepRequest& request, std::size_t row)
@@ -97,8 +98,8 @@ private:
     std::map<double, FormSummary> seen_;
 };
 
-/// Halves a bracket until it is narrow. `holds` at the first place and not at the second; `at_second` hears of every
-/// summary that the second moves to.
+/// Halves a bracket until it is narrow. `holds` is true at `first` and false at `second`. `at_second` is called with
+/// every summary that `second` moves to.
 template <class Holds, class AtSecond>
 void narrow(const scene::sweep::Axis& axis, double& first, double& second, StepsBetween& between, const Holds& holds,
             const AtSecond& at_second) {
@@ -115,10 +116,10 @@ void narrow(const scene::sweep::Axis& axis, double& first, double& second, Steps
     }
 }
 
-/// Steps in the order in which an onset is read.
+/// Steps in the order in which an onset is looked for.
 using Read = std::vector<const SweepStep*>;
 
-/// The last step after `bad` at which the form is good again, and where it ceases to be.
+/// Finds the last step after `bad` at which the form is good again, and the value at which it stops being good.
 void find_recovery(const SweepRequest& request, const Read& steps, std::size_t bad, const Event& event,
                    StepsBetween& between, Onset& onset) {
     std::size_t good = steps.size() - 1;
@@ -158,7 +159,7 @@ Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, co
     return onset;
 }
 
-/// The onsets of the rays of one draw.
+/// Finds the onsets on the rays of one draw.
 std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     Read forwards;
     for (const SweepStep& step : steps) forwards.push_back(&step);
@@ -297,7 +298,7 @@ Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*
                : *wrong == Outcome::false_hit  ? Verdict::false_hit
                                                : Verdict::wrong_object;
     }
-    // NaN where no hit is agreed on: nothing is lost then.
+    // NaN where form and truth agree on no hit: nothing is lost then.
     const auto most = [&](const char* name) { return s.metrics[metric::place_of(metrics, name)].quantile(1); };
     if (most("excess_bits") > within) return Verdict::wrong_value;
     return most("lost_bits") > within ? Verdict::within_inputs : Verdict::right;

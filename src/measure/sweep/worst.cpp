@@ -19,14 +19,14 @@ using intersect::Direction;
 
 namespace {
 
-constexpr int litter = 32;
+constexpr int litter = 32;  // candidates that are measured together
 
-/// The number `steps` places after x in the format's order.
+/// Number that comes `steps` numbers after x in the format.
 double step_from(double x, std::int64_t steps, const FloatFormat& f) {
     return truth::number_at(truth::ordinal(x, f) + steps, f);
 }
 
-/// A ray and a solid as one list of numbers, in the order of the search's ranges.
+/// Ray and primitive as one list of numbers, in the order of the ranges of the search.
 struct Place {
     std::array<double, 6 + most_numbers> x{};
     [[nodiscard]] Ray<double> ray() const { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
@@ -38,7 +38,7 @@ struct Place {
     }
 };
 
-/// What is remembered of a litter: the worst of it.
+/// Worst candidate of a litter.
 class Judge {
 public:
     Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
@@ -66,7 +66,7 @@ public:
     double t = 0, truth = 0;
 
 private:
-    /// The score of a wrong decision: above that of every right one.
+    /// Score of a wrong decision, above that of every right one.
     [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
         return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid))
                              : std::numeric_limits<double>::infinity();
@@ -101,7 +101,7 @@ private:
         Place here = *first;
         double score = -1;
         for (int g = 0; g < file_.generations; ++g) {
-            // One solid a litter: its rays share a band.
+            // All candidates of a litter have one primitive, so that their rays share a band.
             const Place parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
             std::vector<Place> children{parent};
             while (children.size() < litter) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));
@@ -114,7 +114,7 @@ private:
         }
     }
 
-    /// A random place of the box that the search allows, its ray aimed at its solid; nothing where 4096 tries find
+    /// Random candidate within the ranges of the search, its ray aimed at its primitive; nothing where 4096 tries find
     /// none.
     std::optional<Place> draw() {
         for (int attempt = 0; attempt < 4096; ++attempt) {
@@ -132,7 +132,7 @@ private:
         return std::nullopt;
     }
 
-    /// In [1, 2): any, or a few last places from a power of two.
+    /// Random number in [1, 2): uniform, or at a distance from 1 or 2 whose exponent is uniform.
     double significand() {
         const double m = 1 + random_.unit(),
                      sparse = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.parameters.precision - 1));
@@ -145,9 +145,9 @@ private:
         return random_.sign() * std::ldexp(significand(), e);
     }
 
-    /// Puts an edge of the box on the ray: the plane that it enters one axis by, and the one that it leaves another by.
-    /// What rounding moved the planes is made up for in the origin: the smaller that is, the nearer the ray is to the
-    /// edge.
+    /// Puts an edge of the box on the ray: the edge of the plane by which the ray enters one axis and of the plane by
+    /// which it leaves another. Rounding moves the planes, and the origin is moved to make up for it. The smaller the
+    /// origin is, the nearer the ray comes to the edge.
     void put_edge(Place& p) {
         const double t = std::ldexp(significand(), random_.below(6) - 3);
         const auto enter = static_cast<std::size_t>(random_.below(3)),
@@ -164,7 +164,8 @@ private:
         }
     }
 
-    /// Moves the origin along the axis that the ray leaves first, so that it leaves where it enters the last.
+    /// Moves the origin along the axis that the ray leaves first, so that the ray leaves it at the t at which it enters
+    /// the last one.
     void back_to_edge(Place& p) {
         double entry = 0, exit = std::numeric_limits<double>::infinity();
         std::size_t leave = 0;
@@ -179,8 +180,8 @@ private:
         p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.parameters);
     }
 
-    /// Moves the centre to where the search still has something to gain: between the smallest distance allowed and the
-    /// smallest found, by powers of two alike.
+    /// Moves the centre to where the search still has something to gain: to a distance between the smallest one allowed
+    /// and the smallest one found, uniform in its logarithm.
     void approach(Place& p) {
         const double radius = p.x[9], low = std::max(1.0, file_.distance_radii.low),
                      high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
@@ -190,7 +191,8 @@ private:
         for (std::size_t i = 0; i < 3; ++i) p.x[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
     }
 
-    /// Turns the direction to a point of the solid, its largest component kept: by chance few rays meet a far one.
+    /// Turns the direction to a point of the primitive, and keeps the size of its largest component. Random directions
+    /// seldom meet a far primitive.
     void aim(Place& p) {
         const Solid<double> solid = p.solid(file_.shape);
         const double x = random_.unit(), y = random_.unit(), z = random_.unit();
@@ -223,7 +225,7 @@ private:
         return step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.parameters);
     }
 
-    /// x with one bit of its significand turned, or twice or half of it.
+    /// x with one bit of its significand flipped, or twice x, or half of it.
     double with_a_bit_turned(double x) {
         const FloatFormat& f = row_.format.parameters;
         const int bit = random_.below(f.precision + 1) - 2;
@@ -265,7 +267,7 @@ private:
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
-    double best_score_ = -1;  ///< the metric, or 1 over it where the smallest is looked for
+    double best_score_ = -1;  ///< the metric, or 1 over it where the smallest value is looked for
     WorstFound best_;
 };
 

@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    /// A sum of which a product is a part: how the product and the other operand count.
+    /// Sum that has a product as one operand, with the signs of the product and of the other operand.
     struct Fused {
         NodeId product, addend;
         bool minus_product, minus_addend;
@@ -73,7 +73,8 @@ private:
         return std::ranges::any_of(std::array{hit, t, near, far}, [&](NodeId out) { return same(out) == i; });
     }
 
-    /// The first operation that is the same: of the same operands, in any order where that makes no difference.
+    /// First node that is equal to node i: the same operation on the same operands, in any order where the order makes
+    /// no difference.
     NodeId first_of(NodeId i) {
         const TapeNode& n = from_[i];
         std::array<NodeId, 3> operands = n.operands;
@@ -86,7 +87,7 @@ private:
         return first_.try_emplace({n.op, n.format, operands, std::bit_cast<std::uint64_t>(given)}, i).first->second;
     }
 
-    /// Of each operation those that need it, once an operand, from the answers back.
+    /// Lists for each operation those that need it, once for each operand, from the answers backwards.
     void find_takers() {
         std::vector<bool> needed(from_.nodes.size());
         const auto [hit, t, near, far] = from_.outputs;
@@ -102,8 +103,9 @@ private:
         }
     }
 
-    /// What the answers need, operands from left to right before what takes them. The tape has the arguments of an
-    /// operator in the order in which the compiler of this program evaluates calls, which may be from right to left.
+    /// Operations that the answers need, in the order of the source text: operands from left to right, before the
+    /// operation that takes them. The tape may have another order: it is the one in which the compiler of this program
+    /// evaluates the arguments of a call, which may be from right to left.
     [[nodiscard]] std::vector<NodeId> in_order_of_text() const {
         std::vector<NodeId> order;
         std::vector<bool> seen(from_.nodes.size());
@@ -121,7 +123,7 @@ private:
         return order;
     }
 
-    /// `product`, or its negative, as a part of the sum; nothing where it is both parts, or the sum is fused already.
+    /// Part of `product`, or of its negative, in a sum; nothing where it is both operands, or the sum is fused already.
     [[nodiscard]] std::optional<Fused> part_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
         const TapeNode& n = from_[sum];
         if (!is_sum(n.op) || n.format != from_[product].format || fused_.contains(sum)) return std::nullopt;
@@ -132,7 +134,7 @@ private:
         return Fused{product, a, negative != subtracts, false};
     }
 
-    /// Where all that takes a product is a sum, each of them is fused, and the product is gone.
+    /// Fuses a product with each operation that takes it, if all of these are sums; the product itself is then dropped.
     void fuse(NodeId product) {
         if (is_answer(product)) return;
         std::vector<std::pair<NodeId, Fused>> sums;
@@ -191,12 +193,12 @@ private:
     std::vector<NodeId> same_;
     std::vector<std::vector<NodeId>> takers_;
     std::map<NodeId, Fused> fused_;  ///< by the sum
-    std::set<NodeId> dropped_;       ///< products that every sum takes in, and their negatives
+    std::set<NodeId> dropped_;       ///< products that all their sums are fused with, and their negatives
     std::vector<NodeId> place_;
     Tape made_;
 };
 
-/// The tape as a list of operations; nothing where it has two formats, which a list has not.
+/// Tape as a list of operations; null where the tape has two formats, because a list has only one.
 std::shared_ptr<const WrittenFormula> list_of(const Tape& tape, Shape shape, std::string name) {
     auto formula = std::make_shared<WrittenFormula>();
     formula->name = std::move(name);
@@ -211,7 +213,7 @@ std::shared_ptr<const WrittenFormula> list_of(const Tape& tape, Shape shape, std
     return formula;
 }
 
-/// A contracted form in the formats that registers compute in, and as lists for every other arithmetic.
+/// Contracted form: tapes for f32 and f64, and lists of operations for every other arithmetic.
 struct Contracted {
     std::unique_ptr<TapeForm> in32, in64;
     std::unique_ptr<WrittenForm> written;
@@ -262,7 +264,7 @@ const Intersector& contracted_row(const Intersector& form) {
                          std::string(contracted_suffix) + "@SPACE");
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
     try {
-        if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // says why
+        if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // throws the reason
     } catch (const InputError& why) {
         throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
                                      contracted_suffix, why.what()));

@@ -13,7 +13,7 @@ using intersect::table::Intersector;
 
 namespace {
 
-/// Copies a tape node by node; `result` gives each the format that it is computed in.
+/// Copies a tape node by node, with some operations in a wider format. `copied` chooses the format of each node.
 class Widening {
 public:
     Widening(const Tape& from, const std::vector<NodeId>& operations, const FloatFormat& to)
@@ -32,7 +32,7 @@ public:
 private:
     [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place_[static_cast<std::size_t>(i)]; }
 
-    /// The result of node i in a format.
+    /// Result of node i, converted to a format where it has another one.
     NodeId taken_in(NodeId i, const FloatFormat& format) {
         const NodeId here = at(i);
         const TapeNode n = made_[here];
@@ -100,14 +100,14 @@ void run_program(void* own, const intersect::table::RayBatch<S>& rays, const int
 
 namespace {
 
-/// What stands in the way of a tape of all that a form does; empty: nothing.
+/// Reason why no tape can have all operations of a form; empty where one can.
 std::string refusal_of_tape(const Intersector& form) {
     if (!is_solid(form.shape))
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
     if (form.is_set()) return "it stands for several forms; name one of them";
     if (intersect::hull::innermost(form).way)
-        return "it filters: it decides by itself how far to go with each ray; name a form that does the same to every "
-               "ray";
+        return "it filters: it decides by itself how far to go with each ray; name a form that does the same "
+               "operations for every ray";
     if (intersect::hull::has_box(form))
         return "name the form without its box, such as " + std::string(intersect::hull::innermost(form).info->name);
     if (!form.record)

@@ -17,7 +17,7 @@ using intersect::table::RayBatch;
 
 namespace {
 
-/// A number of a solid in the order of `input_names`: its own, then those of its matrix.
+/// Number of a primitive in the order of `input_names`: its own, then those of its matrix.
 template <class S>
 S number_of(const Solid<S>& solid, std::size_t number) {
     const auto own = solid.used();
@@ -25,7 +25,7 @@ S number_of(const Solid<S>& solid, std::size_t number) {
 }
 
 constexpr bool is_pair(Word w) { return w == Word::pair || w == Word::twice_pair; }
-/// Which of floats, doubles and decisions it is made of.
+/// Kind of column that holds a word: 0 floats, 1 doubles, 2 decisions.
 constexpr std::size_t kind_of_column(Word w) {
     return w == Word::decision ? 2 : w == Word::twice || w == Word::twice_pair ? 1 : 0;
 }
@@ -51,7 +51,7 @@ Word word_of(const FloatFormat& format) {
     throw std::logic_error("a program of a tape computes in float, double, two floats and two doubles");
 }
 
-/// The memory of one run.
+/// Memory of one run.
 class TapeProgram::Columns {
 public:
     explicit Columns(const std::array<std::uint16_t, 3>& counts)
@@ -65,7 +65,7 @@ public:
         else if constexpr (std::same_as<P, double>) return doubles_.get() + column * together;
         else return decisions_.get() + column * together;
     }
-    /// x in all the rays, in the word or two of it.
+    /// Sets x for all rays, in one column, or in two if the word is a pair.
     void fill(Word word, std::uint16_t place, double x) const {
         const auto put = [&]<class P>(std::uint16_t column, P value) { std::fill_n(at<P>(column), rays, value); };
         const auto in = [&]<class P>(P high) {
@@ -80,7 +80,7 @@ public:
         run_steps(steps, {floats_.get(), doubles_.get(), decisions_.get(), rays});
     }
 
-    std::size_t rays = 0;  ///< of which `together` at most
+    std::size_t rays = 0;  ///< number of rays, at most `together`
 
 private:
     std::unique_ptr<float[]> floats_;
@@ -90,7 +90,7 @@ private:
 
 namespace {
 
-/// Columns of each kind, given away and taken back.
+/// Hands out columns of each kind and takes them back.
 class Places {
 public:
     std::uint16_t take(Word word) {
@@ -112,7 +112,7 @@ private:
     std::array<std::vector<std::uint16_t>, 5> free_;
 };
 
-/// The last node that takes each as an operand; `size()` where it is an output, −1 where nothing needs it.
+/// Last node that takes each node as an operand; `size()` for an output, −1 for a node that nothing needs.
 std::vector<NodeId> last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
@@ -140,7 +140,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
         const TapeNode& n = tape[i];
         if (n.op == TapeOp::input) ++input_count_;
         if (last[static_cast<std::size_t>(i)] == no_node || !is_given(n.op)) continue;
-        at(i) = places.take(word(i));  // and kept: what is given is there for all rays
+        at(i) = places.take(word(i));  // never given back: inputs and constants stay for all rays
         if (n.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(n.operands[0]), at(i)});
         else constants_.push_back({word(i), n.value, at(i)});
     }
@@ -172,7 +172,8 @@ template <class S>
 void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
     const std::array six{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     Columns columns(columns_);
-    // A ray and one of many solids come alone: what is the same for all rays is filled in no farther than they go.
+    // Some callers ask for one ray and one primitive at a time. So columns that are the same for all rays are filled
+    // only as far as there are rays.
     columns.rays = std::min(together, rays.size());
     for (const Constant& c : constants_) columns.fill(c.word, c.out, c.value);
     const bool one_solid = target.solids.size() == 1;

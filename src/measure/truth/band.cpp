@@ -22,7 +22,7 @@ using scene::rays::SolidList;
 
 namespace {
 
-/// The solids of a group: those of its culler, where it has one.
+/// Primitives of a group; those of its culler where it has one.
 SolidList<double> solids_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
     return culler ? culler->shared() : scene::rays::solid_list_of(group);
 }
@@ -41,7 +41,7 @@ bool fits_binary32(const scene::rays::RayGroup& group, const SolidList<double>& 
     return fits;
 }
 
-/// Whether every double is a number of the format.
+/// True if the format holds every double.
 bool holds_binary64(const FloatFormat& f) {
     return f.precision >= binary64.precision && f.emin <= binary64.emin && f.emax >= binary64.emax;
 }
@@ -123,13 +123,13 @@ Ray<double> in_double(const Ray<S>& ray) {
 constexpr Convention other_conventions[] = {
     {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
 
-/// Which solids a ray is asked about: those that an index finds, all, or the one that it is paired with.
+/// Primitives that a ray is tested against: those that an index finds, all, or the one that it is paired with.
 struct Candidates {
     const culling::SolidIndex* index = nullptr;
     bool paired = false;
 };
 
-/// The truth of ray i among its candidates alone.
+/// Truth of ray i among its candidates alone.
 template <class S>
 Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
                  Convention convention, const Range<double>& range) {
@@ -207,12 +207,13 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
-    // Who meets nothing from either side meets nothing from one; what comes first does so among those that count, too.
+    // A ray that meets nothing from either side meets nothing from one side. If the first hit is from a side that
+    // counts, it stays the first.
     if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
         (whole || !shows_side(i, convention.facing)))
         return true;
     if (convention.inside == Inside::usual) return false;
-    if (ranged) return true;  // the ray begins elsewhere
+    if (ranged) return true;  // the ray may begin elsewhere than at its origin
     if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;
     const auto solids = shared_solids_.listed();
     return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids, [ray = shared_[i]](const Solid<double>& solid) {
@@ -242,7 +243,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
-    // Ways to make rays end with directions of length one, as they round.
+    // Ray generators end with directions of length one, up to their rounding.
     const bool are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, shape, limit_.stop);
     if (const auto index = culler_ ? culler_->for_forms(shape, in.solids) : nullptr) {

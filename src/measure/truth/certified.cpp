@@ -11,10 +11,10 @@
 namespace lostbits::measure::truth {
 namespace {
 
-/// 2^e for a normal number of that exponent.
+/// 2^e, where it is a normal number.
 double power_of_two(std::int64_t e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
 
-/// ilogb, without the call for normal numbers.
+/// Same as ilogb, without the call for normal numbers.
 int exponent_of(double x) {
     const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff);
     return biased != 0 && biased != 0x7ff ? biased - 1023 : std::ilogb(x);
@@ -30,7 +30,7 @@ Certified normalised(double hi, double lo, double bound, std::int64_t exponent) 
     const DoubleDouble s = two_sum(hi, lo);
     const int e = exponent_of(s.hi);
     Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
-    // Scaling is exact but where it underflows, by at most half of 2^-1074 in each of lo and bound.
+    // Scaling is exact unless it underflows. That changes lo and bound by at most half of 2^-1074 each.
     if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
     return r;
 }
@@ -128,7 +128,7 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
             s.hi = towards;
             residual = -residual;
         }
-        // Rounded in units of 2^exponent: a format whose exponents are moved by as much.
+        // Rounds in units of 2^exponent, to a format whose exponents are shifted by as much.
         const auto moved = [&](std::int64_t bound) {
             return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000));
         };

@@ -22,7 +22,7 @@ using intersect::Touching;
 
 namespace {
 
-/// A problem, its numbers one after another: origin, direction, the solid's, its matrix's.
+/// Problem as a list of numbers: those of the origin, the direction, the primitive and its matrix.
 struct Given {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
@@ -39,11 +39,12 @@ struct Given {
     }
 };
 
-/// With room for any solid: a width for each shape would be compiled for each.
+/// Number with derivatives, enough of them for any primitive. With a width for each shape, the code would be compiled
+/// for each.
 template <class E>
 using Sensitive = Dual<E, 6 + most_stored>;
 
-/// Each of its numbers as an input of its own.
+/// Problem with each number as an input of its own.
 template <class E>
 struct Problem {
     std::vector<E> x;
@@ -65,7 +66,8 @@ struct Problem {
     }
 };
 
-/// t and its derivatives by each number; none of a miss, and where t does not move as its inputs do.
+/// t and its derivatives by each number. A miss has none. `endless` has none either: a t of 0, or a double root, which
+/// does not move in proportion to its inputs.
 template <class E>
 struct Sensitivity {
     enum class Kind { miss, endless, known } kind;
@@ -73,7 +75,7 @@ struct Sensitivity {
     std::vector<E> x = {}, by = {};
 };
 
-/// At one precision; nothing where that is too low.
+/// Sensitivity at one precision; nothing where that is too low.
 template <class E>
 std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convention, const Range<double>& of_ray) {
     using Kind = typename Sensitivity<E>::Kind;
@@ -141,7 +143,7 @@ struct OfGradient {
     }
 };
 
-/// What `Asked` makes of it; nothing where the precision is too low for that.
+/// Answer that `Asked` computes from a sensitivity; nothing where the precision is too low for it.
 template <class Asked, class E>
 std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E>>& found) {
     if (!found) return std::nullopt;
@@ -163,7 +165,7 @@ typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Conve
         const Interval::Precision precision(bits);
         if (const auto found = asked_of<Asked>(sensitivity<Interval>(given, convention, range))) return *found;
     }
-    // What no precision settles is a division by a root that is exactly zero: a tangent.
+    // A problem that no precision settles has a division by a root that is exactly zero: a tangent.
     return Asked::endless();
 }
 

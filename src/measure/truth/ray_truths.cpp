@@ -1,5 +1,5 @@
-// Rays among solids: each solid against whole columns of rays, or pairs of one ray and one solid where a ray can meet
-// only a few, or where columns do not tell which comes first.
+// Truth of rays among primitives. Each primitive is tested against whole columns of rays. Pairs of one ray and one
+// primitive are used where a ray can meet only a few primitives, or where columns cannot tell which comes first.
 #include <tbb/combinable.h>
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace lostbits::measure::truth {
 
 namespace {
 
-/// What is known of some rays, by place, that columns cannot hold, and who settled what.
+/// Truths that columns cannot hold, with the indices of their rays, and counts of what settled the truths.
 struct Leftover {
     StageCounts counts;
     std::vector<std::pair<std::size_t, Truth>> whole;
 };
 
-/// The truths of rays begin to end, at most `settled_together`.
+/// Finds the truths of rays begin to end, at most `settled_together`.
 template <class S>
 class BlockSearch {
 public:
@@ -42,8 +42,8 @@ public:
           isa_(intersect::simd::current_isa()),
           ranged_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
 
-    /// Which solids a ray can meet is asked here: the candidates of an index, or else all, each of which meets whole
-    /// columns of rays.
+    /// Finds the truths. With an index, each ray is tested against its candidates; without one, each primitive is
+    /// tested against whole columns of rays.
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
@@ -56,7 +56,7 @@ public:
     }
 
 private:
-    /// The rays, and the ranges that they have, for one shape.
+    /// Columns of the rays and their ranges, for one shape.
     [[nodiscard]] ProblemColumns<double> columns_for(Shape shape) const {
         return {.size = count_,
                 .ray = rays_.words,
@@ -69,7 +69,7 @@ private:
                 .ray_low = rays_.low};
     }
 
-    /// Every ray against one solid, kept where it comes first.
+    /// Tests every ray against one primitive, and keeps the hits that come first.
     void meet(std::size_t s) {
         limit_.stop.check();
         const Solid<S> solid = problems_.solids[s];
@@ -92,10 +92,10 @@ private:
                             : stages::UnderMatrix{};
     }
 
-    /// Every ray against the solid that it is paired with.
+    /// Tests every ray against the primitive that it is paired with.
     void meet_own() {
         limit_.stop.check();
-        if (problems_.solids[begin_].placed) {  // each its own matrix
+        if (problems_.solids[begin_].placed) {  // each has a matrix of its own
             std::ranges::fill(open_, 1);
             return;
         }
@@ -114,8 +114,8 @@ private:
         meet(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
-    /// Every ray against its solid of these columns, whose place is `place(ray)`. What the first of them finds goes
-    /// where the truths are wanted.
+    /// Tests every ray against its primitive of these columns, whose index is `place(ray)`. The results of the first
+    /// primitive are written to the output directly.
     template <class Place>
     void meet(const ProblemColumns<double>& columns, bool is_first, const Place& place) {
         const stages::Stages stages = stages::stages_of(columns.shape, isa_);
@@ -142,8 +142,8 @@ private:
     }
 
     void keep_nearest(const FoundTogether& found, std::size_t i, std::int32_t place) {
-        // Lengths that differ by 2^-40 are told apart by their first words: what is left of them, and both bounds, are
-        // far less.
+        // Lengths that differ by 2^-40 are ordered by their first words: the second words and both bounds are far
+        // smaller.
         constexpr double nearer = 1 - 0x1p-40, farther = 1 + 0x1p-40;
         const std::size_t to = begin_ + i;
         if (out_.object[to] >= 0) {
@@ -159,12 +159,13 @@ private:
     }
 
     struct RayAndSolid {
-        std::size_t ray;  ///< from `begin_` on
+        std::size_t ray;  ///< index, counted from `begin_`
         std::uint32_t solid;
         Truth truth;
     };
 
-    /// The rays of which `wanted(i)`, each with every solid that it can meet, joined ray by ray.
+    /// Finds the truths of all rays for which `wanted(i)`: settles each of them with every primitive that it can meet,
+    /// and joins the results ray by ray.
     template <class Wanted>
     void find_pairs(const Wanted& wanted) {
         for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
@@ -229,14 +230,15 @@ private:
         if (together.size == 0) return;
         std::vector<std::size_t> left(together.size);
         std::iota(left.begin(), left.end(), std::size_t{0});
-        // Without an index, columns have been asked by two words with bounds, which leave many ties.
+        // Without an index, columns were tried in two words with bounds before, and what they leave open are often
+        // ties.
         if (!problems_.index) settle_ties(shape, left);
         if (!left.empty()) settle_gathered(shape, left);
         if (problems_.index) settle_ties(shape, left);
         for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
     }
-    /// Those left of what was gathered of one shape; keeps those that are left then.
+    /// Settles what was gathered of one shape, as far as it is in `left`, which keeps the pairs that stay open.
     void settle_gathered(Shape shape, std::vector<std::size_t>& left) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& together = gathered(shape);
@@ -254,7 +256,7 @@ private:
         stages.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
         take(ties.found, shape, left, [](std::size_t k) { return k; });
     }
-    /// What was found of `left`, of each at `place`.
+    /// Takes over the findings on the pairs of `left`, each at `place(k)`, and keeps in `left` those that are open.
     template <class Place>
     void take(const FoundTogether& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
         std::size_t still = 0;
@@ -308,7 +310,7 @@ private:
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndSolid> pairs_;
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
-        places_;                                                   ///< among `pairs_`, of those of each shape
+        places_;  ///< indices into `pairs_` of those gathered of each shape
     std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< of those gathered of each shape
     std::vector<std::uint32_t> candidates_;
 };

@@ -15,8 +15,8 @@ using intersect::Touching;
 
 namespace {
 
-/// Where the bound of x > 0 leaves open in which binade x lies: k, for 2^k that it straddles. (The bound is below 2^-72
-/// and hi + lo at least 2^-53 below 2, so it never reaches the binade above.)
+/// Exponent k of the power of two that the bound of x > 0 straddles; nothing where the binade of x is certain. (The
+/// bound is below 2^-72 and hi + lo at least 2^-53 below 2, so it never reaches the binade above.)
 std::optional<std::int64_t> straddled_power(const Certified& x) {
     if (x.hi == 1 && x.lo < x.bound && x.lo >= -x.bound) return x.exponent;
     return std::nullopt;
@@ -24,7 +24,7 @@ std::optional<std::int64_t> straddled_power(const Certified& x) {
 
 Interval interval_at_power(std::int64_t k) {
     Interval r(1);
-    // A step is a power of two that double holds; each moves toward k.
+    // Each step is a power of two that double holds, and moves toward k.
     while (k != 0) {
         const std::int64_t step = std::clamp<std::int64_t>(k, -1000, 1000);
         r *= Interval(std::ldexp(1.0, static_cast<int>(step)));
@@ -36,14 +36,15 @@ Interval interval_at_power(std::int64_t k) {
 /// x once it is known to lie below, at or above the power of two that its bound straddles.
 Certified on_side(const Certified& x, int side) {
     if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
-    // [lo − bound, 0] or [0, lo + bound], by its middle; below, the middle must show it even where it underflows.
+    // The interval [lo − bound, 0] or [0, lo + bound], given by its middle. Below the power, the middle must stay
+    // negative even where it underflows.
     const double end = side < 0 ? x.lo - x.bound : x.lo + x.bound;
     const double middle = side < 0 ? std::min(end / 2, -0x1p-1074) : end / 2;
     return {.hi = 1, .lo = middle, .bound = std::fabs(end) / 2 * (1 + 0x1p-50) + 0x1p-1074, .exponent = x.exponent};
 }
 
 /// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it. `place(x, Length)` decides
-/// the binade of a length, false where this precision does not tell: an ulp of it is a matter of its binade.
+/// the binade of a length, because its ulp depends on it; false where this precision does not tell.
 template <class E, class Place>
 bool settle(const Enclosed<E>& e, Convention convention, Truth& truth, const Place& place) {
     truth.on_surface = e.on_surface;
@@ -87,7 +88,7 @@ bool is_proper_solid(const Solid<S>& solid) {
            (!solid.placed || solid.placed->is_proper());
 }
 
-/// How the truth is asked for, whichever the solids.
+/// Limit, convention and range of a question, for one primitive.
 struct Terms {
     TruthLimit limit;
     Convention convention;

@@ -33,7 +33,7 @@ Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::
                       {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
 }
 
-/// Appends begin + i for each i that is not settled. Most are: eight are looked at together.
+/// Appends begin + i for each i that is not settled. Most are settled, so eight are looked at together.
 void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
     constexpr std::uint64_t all = 0x0101010101010101;
     for (std::size_t first = 0; first < count; first += 8) {
@@ -74,7 +74,7 @@ public:
                     open_.resize(count);
                     std::iota(open_.begin(), open_.end(), begin);
                 }
-                // The stage for ties takes a third of the time of the other, of numbers that it holds.
+                // The stage for ties takes a third of the time of the other one, for numbers that it holds.
                 settle_gathered(ties_);
                 settle_gathered(stages_.double_double);
             } else {
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    /// Those from `begin` on; what stays open goes into `open_`.
+    /// Settles problems from `begin` on, in their columns; what stays open goes into `open_`.
     void settle_in_place(const stages::ShapeStage<S>& stage, std::size_t begin, std::size_t count) {
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
@@ -96,7 +96,8 @@ private:
         in_place_.settle(stage, stages_.lanes, begin, count, found);
         add_open(settled, begin, count, open_);
     }
-    /// Those in `open_`, which keeps what stays open, by a stage that may not be there.
+    /// Settles the problems in `open_`, which keeps those that stay open. The stage may be missing; then nothing
+    /// happens.
     void settle_gathered(const stages::ShapeStage<double>& stage) {
         if (!stage || open_.empty()) return;
         auto& gathered = Gathered<double>::of_thread();
@@ -148,7 +149,7 @@ private:
     TruthColumns& out_;
     stages::Stages stages_;
     InPlace<S> in_place_;
-    stages::ShapeStage<double> ties_;  ///< none where they are not to be asked
+    stages::ShapeStage<double> ties_;  ///< none where ties are not looked for
     std::vector<std::size_t> open_;
 };
 
