@@ -166,7 +166,7 @@ def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
     distance in the scene.
 
     The result has `.samples`, `.onsets`, `.frame` and `.plot()`. Raises InputError if `along`, `start` or `to` is
-    missing.
+    needed but missing.
     """
     folder, asked = lib.data_folder(data), Asked(forms, formats, metrics)
     on = of if isinstance(of, Scene) else None
