@@ -1,9 +1,10 @@
-// One ray against many boxes: the packed kernels of four forms at every width beside loops written by hand with
-// intrinsics and beside plain loops left to the compiler.
+// Measures one ray against many boxes: the packed kernels of four forms at every width, loops written by hand with
+// intrinsics, and plain loops left to the compiler.
 //
-//   build/bench/bench_box --ratios     rates, quotients over the hand-written loops, and what more processors bring
-//   build/bench/bench_box --benchmark_enable_random_interleaving=true --benchmark_repetitions=9
-//   --benchmark_report_aggregates_only=true
+//   build/bench/bench_box --ratios     rates, ratios to the hand-written loops, and the speed-up by all processors
+//   build/bench/bench_box OPTIONS      each kernel by itself. Recommended are --benchmark_repetitions=9,
+//                                      --benchmark_enable_random_interleaving=true and
+//                                      --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -52,7 +53,7 @@ void add_by_hand(std::vector<Contestant>& all, measure::speed::BoxWork& work, in
 void add_by_hand(std::vector<Contestant>&, measure::speed::BoxWork&, intersect::simd::Isa, bool) {}
 #endif
 
-/// Seven numbers are read for a box and one is written.
+/// Kernels that are compared. For a box they read seven numbers and write one.
 std::vector<Contestant> contestants(std::size_t bytes) {
     std::vector<Contestant> all;
     measure::speed::BoxWork work(bytes);

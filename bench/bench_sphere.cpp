@@ -1,11 +1,12 @@
-// Rays per second (items_per_second) of the certified truth, of plain 256-bit MPFR on the same rays, and of every form
-// in every engine, in one run: compare ratios, not times.
+// Measures rays per second (items_per_second) of the certified truth, of plain 256-bit MPFR on the same rays, and of
+// every form in every engine. All are measured in one run: compare ratios, not times.
 //
-//   build/bench/bench_sphere --ratios     packs over loops written by hand, and what more processors bring
-//   build/bench/bench_sphere --filtered   what sphere.filtered and box.filtered cost, and nothing else
-//   build/bench/bench_sphere --benchmark_min_time=0.5 --benchmark_enable_random_interleaving=true
-//   --benchmark_repetitions=5 build/bench/bench_sphere --benchmark_filter='truth|mpfr' build/bench/bench_sphere
-//   --benchmark_filter='packed.*(schoolbook|unified)/f32'
+//   build/bench/bench_sphere --ratios     all tables of ratios (ratios.hpp)
+//   build/bench/bench_sphere --filtered   only the cost of sphere.filtered and box.filtered
+//   build/bench/bench_sphere OPTIONS      each kernel by itself. Recommended are --benchmark_repetitions=5,
+//                                         --benchmark_min_time=0.5, --benchmark_enable_random_interleaving=true,
+//                                         and a filter such as --benchmark_filter='truth|mpfr' or
+//                                         --benchmark_filter='packed.*(schoolbook|unified)/f32'
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -26,7 +27,8 @@ using namespace lostbits;
 
 constexpr std::size_t ray_count = 4096;
 
-/// Binary32 inputs like those of a scene: origins within ten radii, aimed at and around the sphere; about half hit.
+/// Binary32 rays like those of a scene. Each coordinate of an origin is within `distance` of 0, and rays are aimed at
+/// the sphere or close to it; about half hit.
 struct RaySet {
     std::vector<double> ox, oy, oz, dx, dy, dz;
     Sphere<double> sphere{{0.25, -0.5, 1.0}, 1.0};
@@ -75,7 +77,7 @@ void truth(benchmark::State& state, const RaySet& (*rays)()) {
     count_rays(state);
 }
 
-/// What a reference by plain high precision would do: the half-b quadratic in 256 bits, no certificate.
+/// A reference by plain high precision: the half-b quadratic in 256 bits, without a certificate.
 void plain_mpfr(benchmark::State& state, const RaySet& (*rays)()) {
     const RaySet& set = rays();
     const auto vec = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };

@@ -1,9 +1,9 @@
-// The truth of rays at one triangle in packs, beside the exact predicates of CGAL that decide the same, in one run:
-// compare ratios, not times. The truth also knows t, to 2^-33 of it for binary32 and 2^-72 for binary64; the predicates
-// know the decision alone.
+// Compares the truth of rays at one triangle, in packs, with the exact predicates of CGAL that make the same decision.
+// All are measured in one run: compare ratios, not times. The truth also has t, with a relative error of at most 2^-33
+// for binary32 and 2^-72 for binary64; the predicates have only the decision.
 //
 //   build/bench/bench_triangle
-//   build/bench/bench_triangle --ratios     forms in packs over loops written by hand
+//   build/bench/bench_triangle --ratios     forms in packs, as ratios to loops written by hand
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -24,11 +24,12 @@ using measure::truth::Tightness;
 
 constexpr std::size_t ray_count = 4096;
 
-/// Every second ray through the inside, the others beside it or through it; all through a point of an edge, as near as
-/// the grid has one; or all exactly.
+/// Target of the rays. `inside`: every second ray passes through the inside, the others inside or outside. `near_edge`:
+/// all pass through the grid point nearest to a point of an edge. `edge`: all pass exactly through an edge.
 enum class Aim { inside, near_edge, edge };
 
-/// Numbers on a grid that is coarse enough for origin + direction to be exact in double, which the predicates take.
+/// Rays and a triangle with numbers on a grid. The grid is coarse enough for origin + direction to be exact in double,
+/// since the predicates take that point.
 template <class S>
 struct RaysAtTriangle {
     std::array<std::vector<S>, 6> columns;
@@ -36,11 +37,11 @@ struct RaysAtTriangle {
     std::vector<bench::RayOfPoints> rays;
     std::array<bench::Point, 3> corners;
 
-    /// From `distance` away in all directions.
+    /// Each coordinate of an origin is within `distance` of 0.
     RaysAtTriangle(double distance, Aim aim) {
         const double step = std::ldexp(1, (sizeof(S) == 4 ? -21 : -50) + std::ilogb(distance));
         const auto on_grid = [step](double x) { return std::nearbyint(x / step) * step; };
-        constexpr double parts = 64;  // of an edge, which the grid has
+        constexpr double parts = 64;  // of an edge, at grid points
         std::mt19937_64 engine(20261127);
         const auto between = [&engine](double lo, double hi) {
             return lo + (hi - lo) * static_cast<double>(engine() >> 11) * 0x1p-53;
@@ -76,7 +77,7 @@ struct RaysAtTriangle {
     }
 };
 
-/// False where a decision differs.
+/// Prints a row. Returns false if a decision differs.
 template <class S>
 bool print(const char* name, double distance, Aim aim) {
     const RaysAtTriangle<S> set(distance, aim);
@@ -102,7 +103,7 @@ bool print(const char* name, double distance, Aim aim) {
         std::printf(" %13.2f", measure::speed::ratio_of(samples[rival], samples[2]).median);
     std::printf("   %llu %llu\n", static_cast<unsigned long long>(truth.stages.binary64),
                 static_cast<unsigned long long>(truth.stages.double_double));
-    if (other != 0) std::printf("  %zu decisions differ\n", other);
+    if (other != 0) std::printf("  %zu decisions differ from those of by_orientations\n", other);
     return other == 0;
 }
 

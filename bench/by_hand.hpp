@@ -1,22 +1,23 @@
-// Loops written by hand with intrinsics, to hold the packed kernels against. Plain pointers: each width is a
-// translation unit of its own, compiled with its own flags. Whole packs only.
+// Loops written by hand with intrinsics, to compare the packed kernels with. Each width is a separate translation unit
+// with its own compiler flags, so the interface has only plain pointers. n must be a multiple of the pack size.
 #pragma once
 
 #include <cstddef>
 
 namespace by_hand {
 
-/// One ray (ox, oy, oz, dx, dy, dz) against n boxes; columns: lo x, y, z, hi x, y, z; t as in Barnes, part 3.
+/// One ray (ox, oy, oz, dx, dy, dz) against n boxes. `columns`: lo x, y, z, hi x, y, z. t is read as the end of the ray
+/// and written as in Barnes, part 3.
 template <class F>
 using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_t n);
 
-/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius) or triangle (a, b, c); answers: t,
-/// near, far, and hit as bytes 0 and 1.
+/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius) or triangle (a, b, c). The answers are
+/// t, near, far, and hit as a byte 0 or 1.
 template <class F>
 using OneSolid = void (*)(const F* const rays[6], const F* solid, F* const answers[3], unsigned char* hit,
                           std::size_t n);
 
-/// Each loop in one format.
+/// All loops in one format.
 template <class F>
 struct Loops {
     Boxes<F> signs, inclusive;
@@ -24,7 +25,7 @@ struct Loops {
     OneSolid<F> moller_trumbore, undivided, woop;
 };
 
-/// Those of a register width.
+/// All loops for one register width.
 struct Width {
     Loops<float> f32;
     Loops<double> f64;

@@ -1,5 +1,5 @@
-// The loops, over `Ops`: a struct of one-line names for the intrinsics of a format and a width. A translation unit
-// defines its Ops in an anonymous namespace, so that what is instantiated over them stays inside it.
+// The loops, as templates over `Ops`: a struct with a short name for each intrinsic of a format and a width. A
+// translation unit defines its Ops in an anonymous namespace, so that the instances stay inside it.
 #pragma once
 
 #include <cstddef>
@@ -58,7 +58,7 @@ void inclusive(const F* ray, const F* const columns[6], F* t, std::size_t n) {
     }
 }
 
-/// The columns of rays and answers in variables of their own, which no store reaches.
+/// Columns of rays and answers in separate variables, so that the compiler knows that no store changes them.
 template <class Ops>
 struct Rays {
     using F = typename Ops::F;

@@ -1,4 +1,5 @@
-// Loops of triangles, over `Ops` as in by_hand_loops.hpp: what is of the triangle alone is taken out of the loop.
+// Loops for triangles, over `Ops` as in by_hand_loops.hpp. Values that depend only on the triangle are computed before
+// the loop.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +28,7 @@ struct Three {
     }
 };
 
-/// `ask(origin, direction)` of each pack gives t and whether it is a hit.
+/// Calls `ask(origin, direction)` for each pack of rays. It returns t, and a mask of the hits.
 template <class Ops, class Ask>
 void for_rays(const typename Ops::F* const rays[6], typename Ops::F* const answers[3], unsigned char* hit,
               std::size_t n, const Ask& ask) {
@@ -71,7 +72,7 @@ void moller_trumbore(const F* const rays[6], const F* triangle, F* const answers
     });
 }
 
-/// The sign of the determinant goes to the others as a bit.
+/// triangle.undivided. The sign bit of the determinant is transferred to the other numbers.
 template <class Ops, class F = typename Ops::F>
 void undivided(const F* const rays[6], const F* triangle, F* const answers[3], unsigned char* hit, std::size_t n) {
     using V = typename Ops::V;
@@ -90,7 +91,7 @@ void undivided(const F* const rays[6], const F* triangle, F* const answers[3], u
     });
 }
 
-/// Vertices are turned after o was subtracted: nine numbers for twelve.
+/// triangle.woop. The axes are permuted after o was subtracted from the vertices: nine numbers instead of twelve.
 template <class Ops, class F = typename Ops::F>
 void woop(const F* const rays[6], const F* triangle, F* const answers[3], unsigned char* hit, std::size_t n) {
     using V = typename Ops::V;

@@ -1,4 +1,4 @@
-// The intrinsics of 512-bit registers.
+// Loops with intrinsics of 512-bit registers.
 #include <immintrin.h>
 
 #include "by_hand_loops.hpp"

@@ -1,4 +1,5 @@
-// Which rays meet a triangle, by the exact predicates of CGAL. A ray is a point and another on it, a triangle three.
+// Decides which rays hit a triangle, by the exact predicates of CGAL. A ray is given by its origin and another point on
+// it, a triangle by three points.
 #pragma once
 
 #include <array>
@@ -13,12 +14,12 @@ struct RayOfPoints {
     Point from, through;
 };
 
-/// By signs of orientations alone, at most four of a ray: on which side of the line the edges pass, all on one, and on
-/// which side of the plane the ray begins. A line in the plane is a miss.
+/// Decides by the signs of at most four orientations per ray: the ray's line must pass all edges on the same side, and
+/// the ray must start on the right side of the plane. A line in the plane is a miss.
 void by_orientations(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
                      std::vector<unsigned char>& hit);
 
-/// By `do_intersect` of a Ray_3 and a Triangle_3, to which a ray in the plane may hit.
+/// Decides by `do_intersect` of a Ray_3 and a Triangle_3, for which a ray in the plane may hit.
 void by_do_intersect(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
                      std::vector<unsigned char>& hit);
 

@@ -12,8 +12,8 @@ namespace {
 
 using namespace lostbits;
 
-/// Sums words of eight columns side by side, as many streams as a kernel has (one stream alone gets a third less), more
-/// than memory can feed.
+/// A loop that only reads: it sums 64-bit words of eight columns side by side, faster than memory delivers them. A
+/// kernel has as many streams; one stream alone gets a third less.
 Contestant reader(std::size_t bytes) {
     constexpr std::size_t streams = 8, stagger = 40;  // 5 cache lines
     const std::size_t length = bytes / 64;

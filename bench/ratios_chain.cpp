@@ -1,4 +1,4 @@
-// Whole chains, from rays to tables' numbers: a row of a map, and every float of an axis.
+// Measures whole chains, from rays to the numbers of tables: a row of a map, and every float of an axis.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -28,7 +28,7 @@ double seconds_of(const std::function<void()>& work) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// One sphere that fills a picture of 256 × 128 rays, as a map's band has them.
+/// A picture of 256 × 128 rays that one sphere fills, as in a band of a map.
 scene::rays::RayGroup picture_of_rays() {
     scene::rays::RayGroup group;
     group.rays.width = 256;
@@ -67,7 +67,7 @@ void print_rows() {
     }
 }
 
-/// What `lostbits mend` tries its candidates with.
+/// Prints the speed of tapes, by which `lostbits mend` tries its candidates.
 void print_tapes() {
     const auto& form = form_named("sphere.schoolbook");
     const Format format = *find_format("f32");

@@ -1,4 +1,4 @@
-// What `sphere.filtered` and `box.filtered` cost, on rays that the cheap way settles and on rays that it does not.
+// Measures the cost of `sphere.filtered` and `box.filtered`, on rays that the cheap filter settles and on others.
 #include <algorithm>
 #include <cstdio>
 
@@ -33,7 +33,7 @@ std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
     return rays;
 }
 
-/// One view of a family and many rays: rays that hit, and misses beside them.
+/// Many rays of one view of a ray distribution: hits, and misses close to the sphere.
 RayPool view_of(SphereFamily hits) {
     hits = scene::rays::of_one_view(hits);
     SphereFamily misses = hits;
@@ -64,7 +64,7 @@ std::vector<Rays> box_rays() {
             {"face", view({.aim = Aim::face}), 1}};
 }
 
-/// Nanoseconds of an item by each kernel, and what the first takes over each of the others.
+/// Prints the nanoseconds per item of each kernel, and the ratio of the first to each of the others.
 void print_over(const char* rays, std::string_view width, std::string_view format,
                 const std::vector<std::pair<std::string, measure::speed::TimedWork>>& all) {
     std::vector<measure::speed::TimedWork> work;
@@ -121,7 +121,7 @@ void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>&
 }  // namespace
 
 void print_filtered() {
-    std::printf("nanoseconds a ray, and how many times as long as each of the others the filtered form takes\n");
+    std::printf("nanoseconds per ray, and in parentheses the time of the filtered form over that of the other form\n");
     for (const Isa isa : intersect::simd::available_isas()) {
         if (isa == Isa::scalar) continue;
         for (const Rays& rays : sphere_rays()) {

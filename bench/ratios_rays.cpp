@@ -17,12 +17,12 @@ std::size_t bytes_of(std::string_view size) {
     return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
 }
 
-/// Six numbers are read for a ray, three and a byte written.
+/// Bytes per ray: six numbers are read, three numbers and a byte are written.
 template <class S>
 constexpr double bytes_a_ray = 9 * sizeof(S) + 1;
 
 #if defined(LOSTBITS_BY_HAND)
-/// Null where none is written.
+/// The hand-written loop of a form, or null if there is none.
 template <class S>
 by_hand::OneSolid<S> loop_of(const by_hand::Loops<S>& loops, std::string_view form) {
     if (form == "sphere.schoolbook") return loops.schoolbook;

@@ -1,4 +1,4 @@
-// What the truth of a ray takes for each shape, in packs.
+// Measures the truth of a ray for each shape, in packs.
 #include <array>
 #include <cstdio>
 #include <optional>
@@ -17,8 +17,8 @@ using namespace lostbits;
 using measure::truth::ProblemColumns;
 using measure::truth::Tightness;
 
-/// A turn about (1, 2, 2) with cosine 3/5, one and a half times as large, and a shift: numbers of binary32 once they
-/// are rounded.
+/// A transform: rotation about (1, 2, 2) with cosine 3/5, scale 1.5, and a translation. Its numbers are rounded to
+/// binary32.
 Placement<double> turned() {
     const Placement<double> placed{{0.9666667, -0.6666667, 0.9333333, 12, 0.9333333, 1.1666667, -0.1333333, -7,
                                     -0.6666667, 0.6666667, 1.1666667, 5},
@@ -27,7 +27,7 @@ Placement<double> turned() {
     return transformed(placed, [](double x) { return static_cast<double>(static_cast<float>(x)); });
 }
 
-/// The easy rays of a shape's family, at one solid; or the same under a matrix.
+/// The easy rays of a shape's ray distribution at one primitive, or the same under a matrix.
 struct ShapeSet {
     Shape shape;
     std::array<std::vector<double>, 6> wide;
@@ -45,7 +45,7 @@ struct ShapeSet {
             for (int k = 0; k < 6; ++k) {
                 const double x = k < 3 ? ray.origin[k] : ray.direction[k - 3];
                 narrow[static_cast<std::size_t>(k)].push_back(static_cast<float>(x));
-                // 29 more bits, below those of a float.
+                // Adds 29 bits below those of a float.
                 const double more = 1 + static_cast<double>(engine() >> 35) * 0x1p-53;
                 wide[static_cast<std::size_t>(k)].push_back(x * more);
             }
@@ -85,8 +85,8 @@ void print_truth_of_shapes() {
         const auto hits = family.timed().hits;
         sets.push_back({ShapeSet(hits, std::nullopt), ShapeSet(hits, turned())});
     }
-    std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one solid, packs of %s\n", "truth", "24 bits, ns",
-                "53 bits, ns", "under a matrix", "53 bits, ns", "times, 24", "times, 53",
+    std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one primitive, packs of %s\n", "truth",
+                "24 bits, ns", "53 bits, ns", "under a matrix", "53 bits, ns", "times, 24", "times, 53",
                 std::string(name_of(intersect::simd::current_isa())).c_str());
     for (const auto& [own, placed] : sets) {
         static measure::truth::TruthColumns out;

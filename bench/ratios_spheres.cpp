@@ -1,4 +1,4 @@
-// Bytes a sphere: what a map of a flake holds in memory, by the resident set.
+// Measures the bytes per sphere that a map of a flake holds in memory, by the resident set.
 #include <malloc.h>
 
 #include <chrono>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace lostbits;
 
-/// A line of /proc/self/status in bytes; 0 where there is none.
+/// Value of a line of /proc/self/status in bytes, or 0 if there is no such line.
 double status(const std::string& key) {
     std::ifstream file("/proc/self/status");
     for (std::string word; file >> word;) {
@@ -26,7 +26,7 @@ double status(const std::string& key) {
     return 0;
 }
 
-/// The flake of data/scenes/sphereflake-*.toml, of other levels.
+/// The flake of data/scenes/sphereflake-*.toml, with other levels.
 scene::file::Scene flake_scene(int levels, double distance, const char* fov_deg) {
     scene::file::Scene scene;
     scene.width = scene.height = 64;

@@ -1,4 +1,4 @@
-// The truth of a ray by each of its stages, against Arb, MPFR, MPFI and `Ball` on the same rays in the same run.
+// Compares the truth of a ray in packs with Arb, MPFR, MPFI and `Ball`, on the same rays in the same run.
 #include <array>
 #include <cstdio>
 #include <functional>
@@ -27,7 +27,7 @@ using measure::truth::Tightness;
 
 constexpr std::size_t ray_count = 4096;
 
-/// Rays at one sphere as columns: of binary32 numbers, or of all 53 bits.
+/// Rays at one sphere as columns. Their numbers have 24 bits (binary32) or all 53 bits.
 struct TruthSet {
     std::string name;
     std::vector<double> columns[6];
@@ -61,7 +61,7 @@ double between(std::mt19937_64& engine, double low, double high) {
     return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
 }
 
-/// From a cube around the sphere to within 1.2 radii of its centre on each axis: about half hit.
+/// A ray from a cube around the origin to a point within 1.2 radii of the sphere's centre on each axis. About half hit.
 template <int distance>
 Ray<double> at_sphere(std::mt19937_64& engine, const Sphere<double>& s) {
     Vec<double> origin, target;
@@ -71,7 +71,7 @@ Ray<double> at_sphere(std::mt19937_64& engine, const Sphere<double>& s) {
     }
     return {origin, target - origin};
 }
-/// Just above a huge sphere.
+/// A ray that starts just above a huge sphere.
 Ray<double> above(std::mt19937_64& engine, const Sphere<double>&) {
     const double x = between(engine, -0.5, 0.5), y = between(engine, 0.5, 1.5), z = between(engine, -0.5, 0.5);
     const double dx = between(engine, -1, 1), dy = between(engine, -0.5, 0.05), dz = between(engine, -1, 1);
@@ -98,7 +98,7 @@ TruthSet set_of(const std::string& name, bool binary32_inputs, const Sphere<doub
     return set;
 }
 
-/// What a reference by plain high precision would do: the half-b quadratic in 256 bits, no certificate.
+/// A reference by plain high precision: the half-b quadratic in 256 bits, without a certificate.
 double by_mpfr(const TruthSet& set) {
     const auto vec = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
     const Sphere<Real> sphere{vec(set.sphere.centre), Real(set.sphere.radius)};
@@ -135,8 +135,8 @@ double by_ball(const TruthSet& set) {
 }
 
 #if defined(LOSTBITS_HAS_ARB)
-/// As a user of Arb would: the discriminant, the decision, and the near root or the far one, at 128 bits and twice as
-/// many until it is decided and the root known to 72.
+/// Uses Arb as its users do: the discriminant, the decision, and the near or far root, at 128 bits. The precision is
+/// doubled until the ray is decided and the root is known to 72 bits.
 class ByArb {
 public:
     ByArb() {

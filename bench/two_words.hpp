@@ -1,4 +1,4 @@
-// `sphere.filtered` wholly in double-double, to hold the form against: what proving every ray that way would cost.
+// `sphere.filtered` entirely in double-double, to compare the form with: the cost of proving every ray in that way.
 #pragma once
 
 #include "by_hand.hpp"

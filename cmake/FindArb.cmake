@@ -1,5 +1,6 @@
-# Arb: a library beside FLINT 2 (Debian calls it flint-arb, others arb), a part of FLINT from version 3 on. Which of the
-# two was found says ARB_IN_FLINT: to CMake, and to the sources, for another arb.h may lie where the compiler looks.
+# Finds Arb. With FLINT 2 it is a separate library (flint-arb in Debian, arb elsewhere); from FLINT 3 on it is a part of
+# FLINT. ARB_IN_FLINT says which of the two was found. CMake uses it, and so do the sources, since the compiler may also
+# find another arb.h.
 find_path(ARB_INCLUDE_DIR NAMES flint/arb.h arb.h)
 find_library(FLINT_LIBRARY flint HINTS ${ARB_INCLUDE_DIR}/../lib)
 find_library(ARB_LIBRARY NAMES flint-arb arb HINTS ${ARB_INCLUDE_DIR}/../lib)

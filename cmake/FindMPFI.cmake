@@ -1,4 +1,4 @@
-# MPFI ships neither a CMake package nor a pkg-config file.
+# Finds MPFI, which ships neither a CMake package nor a pkg-config file.
 find_path(MPFI_INCLUDE_DIR mpfi.h)
 find_library(MPFI_LIBRARY mpfi)
 include(FindPackageHandleStandardArgs)

@@ -1,4 +1,4 @@
-# MPFR and the GMP it stands on, found the same way with and without pkg-config.
+# Finds MPFR and GMP, which MPFR needs, in the same way with and without pkg-config.
 find_path(MPFR_INCLUDE_DIR mpfr.h)
 find_library(MPFR_LIBRARY mpfr)
 find_path(GMP_INCLUDE_DIR gmp.h)

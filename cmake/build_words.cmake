@@ -1,5 +1,5 @@
 cmake_minimum_required(VERSION 3.25)
-# Writes OUT, a header that defines LOSTBITS_BUILD: the version and a hash of all HEADERS.
+# Writes the header OUT, which defines LOSTBITS_BUILD: the version and a hash of all HEADERS.
 set(all "")
 foreach(header IN LISTS HEADERS)
     file(SHA256 ${header} hash)
@@ -7,7 +7,7 @@ foreach(header IN LISTS HEADERS)
 endforeach()
 string(SHA256 hash "${all}")
 string(SUBSTRING ${hash} 0 12 hash)
-file(CONFIGURE OUTPUT ${OUT} CONTENT "// Which headers a library of forms was compiled with.
+file(CONFIGURE OUTPUT ${OUT} CONTENT "// Identifies the headers that a library of forms was compiled with.
 #pragma once
 #define LOSTBITS_BUILD \"@VERSION@-@hash@\"
 " @ONLY)

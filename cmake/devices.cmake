@@ -1,7 +1,7 @@
-# The drivers of shaders: a module each, loaded at run time by the process that serves a shader, and built where its
-# headers are. Without one, `--shader` says what to install.
+# Modules for shader drivers, one for each API. The process that serves a shader loads one at run time. A module is
+# built if the headers of its API are found. Without any, `--shader` says what to install.
 find_package(PkgConfig REQUIRED)
-add_custom_target(lostbits_devices)  # all that there are
+add_custom_target(lostbits_devices)  # all modules that are built
 foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvulkan-dev")
     string(REPLACE "|" ";" device "${device}")
     list(GET device 0 kind)
@@ -10,7 +10,7 @@ foreach(device "opengl|egl opengl|libegl-dev libopengl-dev" "vulkan|vulkan|libvu
     separate_arguments(libraries)
     pkg_check_modules(DEVICE_${kind} QUIET IMPORTED_TARGET ${libraries})
     if(NOT DEVICE_${kind}_FOUND)
-        message(STATUS "${kind} is not found (Debian: ${packages}): no --shader by it")
+        message(STATUS "${kind} was not found (Debian packages ${packages}): --shader will not work with it")
         continue()
     endif()
     file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/intersect/device/module_${kind}*.cpp)

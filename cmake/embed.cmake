@@ -1,6 +1,7 @@
-# cmake -P embed.cmake: texts of inline page elements, with the hashes that the page's policy names, as one C++ file.
+# cmake -P embed.cmake: writes a C++ file with the texts of inline elements of the page, and with their hashes, which
+# the page's content security policy names.
 #   OUT     the file to write
-#   ASSETS  name=part+part…,… : each the parts' texts one after another; no part: an empty text
+#   ASSETS  name=part+part…,… : the text of a name is that of its parts in order; without parts it is empty
 string(CONCAT code
     "// Made by cmake/embed.cmake from src/output/page/script; do not edit.\n"
     "#include \"output/page/assets.hpp\"\n\nnamespace lostbits::output::page {\n\n")
@@ -18,7 +19,7 @@ foreach(asset IN LISTS ASSETS)
     file(READ "${joined}" text)
     string(FIND "${text}" "</s" closing)
     if(NOT closing EQUAL -1)
-        message(FATAL_ERROR "${name}: the text would close its own element")
+        message(FATAL_ERROR "${name}: the text contains \"</s\", which would close its own element; split that string")
     endif()
     file(SHA256 "${joined}" hash)
     file(REMOVE "${joined}")

@@ -1,10 +1,11 @@
-# The program, its image module and its data; and the libraries as the package `lostbits` (targets lostbits::core,
-# lostbits::scene, lostbits::measure) for programs that want the numbers, the forms or the truth.
+# Installs the program, its image module and its data. Also installs the libraries as the CMake package `lostbits`
+# (targets lostbits::core, lostbits::scene, lostbits::measure), for programs that use the numbers, the forms or the
+# truth.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS lostbits RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lostbits_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-# Where the program looks, whatever the system calls its folder of libraries.
+# The program looks in lib/lostbits, whatever the system calls its folder of libraries.
 install(TARGETS lostbits_image LIBRARY DESTINATION lib/lostbits)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lostbits RENAME copyright)
 install(FILES analysis/library/lostbits.h plugins/lostbits_dump.h plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lostbits_form.hpp
@@ -15,8 +16,8 @@ set(layers number geometry shapes intersect scene measure)
 foreach(room IN LISTS layers)
     install(DIRECTORY src/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lostbits FILES_MATCHING PATTERN "*.hpp")
 endforeach()
-# Installed, a header is <lostbits/number/error.hpp> for everyone and "number/error.hpp" for nobody: that would be found
-# in front of, or behind, what others call so.
+# An installed header is included as <lostbits/number/error.hpp>, never as "number/error.hpp": that could be mixed up
+# with a header of another project.
 string(REPLACE ";" "|" layers "${layers}")
 install(CODE "set(include \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
 set(layers \"${layers}\")")
@@ -44,7 +45,8 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config.cmake
               cmake/FindMPFR.cmake cmake/FindMPFI.cmake cmake/isa.cmake cmake/formulas.cmake
         DESTINATION ${package_dir})
 
-# What a compiler called by hand needs to make a library of forms: c++ -shared mine.cpp -o mine.so @form.flags
+# Writes the flags with which a compiler called by hand makes a library of forms:
+#   c++ -shared mine.cpp -o mine.so @form.flags
 function(lostbits_form_flags file library)
     list(TRANSFORM ARGN REPLACE "(.+)" "\"-I\\1\"" OUTPUT_VARIABLE includes)
     list(JOIN includes " " includes)
@@ -54,7 +56,8 @@ $<JOIN:${LOSTBITS_ARITHMETIC_FLAGS}, > -DGLM_FORCE_XYZW_ONLY ${includes}
 " TARGET lostbits_core)
 endfunction()
 
-# And for its packs: c++ -c mine.cpp -o packs.o @form.flags @form.w256.flags, with packs.o beside mine.cpp above.
+# Writes the flags for its packs: c++ -c mine.cpp -o packs.o @form.flags @form.w256.flags. The command above then also
+# takes packs.o.
 foreach(isa IN LISTS LOSTBITS_PACK_ISAS)
     set(words "$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_DEFINITIONS>")
     set(options "$<FILTER:$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_OPTIONS>,INCLUDE,^-(m|O|ffp|fno)>")

@@ -1,6 +1,6 @@
-# What a user of a package gets beside the program, and the Debian package: `cpack -G DEB` in the build folder.
+# Installs shell completion and the manual page, and sets up the Debian package: `cpack -G DEB` in the build folder.
 
-# Completion and the manual page come from the program itself, so they cannot fall behind its options.
+# The program itself writes completion and the manual page, so they cannot fall behind its options.
 set(shell_dir ${CMAKE_CURRENT_BINARY_DIR}/shell)
 set(shell_files ${shell_dir}/lostbits.bash ${shell_dir}/_lostbits ${shell_dir}/lostbits.fish ${shell_dir}/lostbits.1)
 add_custom_command(OUTPUT ${shell_files}
@@ -24,7 +24,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES TRUE)
 set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
-# Two packages: what the plugins are linked with is more than all the rest.
+# Two packages, because the libraries that the plugins need are larger than everything else.
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL Unspecified)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME lostbits)
@@ -37,8 +37,8 @@ if(LOSTBITS_BUILD_PLUGINS)
     set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "Ray tests of libraries, for `lostbits --plugin NAME`")
 endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-# The libraries that the program and its image module are linked with, by dpkg-shlibdeps. Letters in pictures are those
-# of DejaVu Sans, which no library says.
+# dpkg-shlibdeps finds the libraries that the program and its image module need. Pictures also need the font DejaVu
+# Sans, on which no library depends.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_DEPENDS fonts-dejavu-core)
 include(CPack)

@@ -1,5 +1,5 @@
-// What most files of the libraries include anyway and nobody here edits often: parsed once. A file still includes what
-// it uses; the preset `dev` compiles without this and finds out.
+// Precompiled headers: those that most files of the libraries include and that rarely change. A file must still include
+// what it uses; the preset `dev` compiles without this header and finds files that do not.
 #pragma once
 
 #include <algorithm>

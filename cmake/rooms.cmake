@@ -1,14 +1,14 @@
-# lostbits_join_sources(TARGET ROOMS): the sources in folders whose path matches are handed to the compiler some 600 kB
-# at a time, in the order of their paths. What they share, the library's templates above all, is compiled once for
-# all of them: a clean build of the program took 650 s of processor without this. A room is a namespace, so two names of
-# two of its files must differ even where they are local. The preset `dev` compiles each source by itself, and finds what
-# one takes from another's includes.
+# lostbits_join_sources(TARGET ROOMS): joins the sources of TARGET in folders whose path matches ROOMS, in the order of
+# their paths, into units of about 600 kB. Code that they share, mostly templates of the standard library, is then
+# compiled once per unit. Without this, a clean build of the program took 650 s of processor time. A folder is a
+# namespace, so local names in two of its files must differ. The preset `dev` compiles each source by itself, and finds
+# sources that rely on the includes of another.
 function(lostbits_join_sources target rooms)
     if(NOT LOSTBITS_JOIN_SOURCES)
         return()
     endif()
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-    # GCC takes what the joint file includes for headers, in which a name that is local to a file would be a mistake.
+    # GCC takes the sources in a joined file for headers, in which a name that is local to a file would be a mistake.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
     get_target_property(sources ${target} SOURCES)
     set(joined)

@@ -1,6 +1,6 @@
-// Boost.Math 1.74, tools/roots.hpp:1003, quadratic_roots: "the real roots of a quadratic equation ax^2 + bx + c = 0",
-// NaN twice where there are none. The coefficients of the sphere are the schoolbook's; the discriminant
-// (roots.hpp:873) is Kahan's with fma, the second root is c / q.
+// Boost.Math 1.74, tools/roots.hpp:1003, quadratic_roots: "the real roots of a quadratic equation ax^2 + bx + c = 0".
+// It returns NaN twice if there are none. The coefficients of the sphere are the schoolbook's. The discriminant
+// (roots.hpp:873) is Kahan's with fma, and the second root is c / q.
 #include <cmath>
 
 #include <boost/math/tools/roots.hpp>

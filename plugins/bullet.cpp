@@ -1,7 +1,7 @@
 // Bullet 3.24 in float: btCollisionWorld::rayTestSingle against a btSphereShape (btCollisionWorld.cpp:276). It casts a
-// point through btSubsimplexConvexCast (btSubSimplexConvexCast.cpp:32), iterations instead of a formula: "GJK based ray
-// cast ... objects should not start in overlap, otherwise results are not defined". A ray of Bullet is a segment, and
-// the answer a fraction of it.
+// point through btSubsimplexConvexCast (btSubSimplexConvexCast.cpp:32), which iterates instead of using a formula: "GJK
+// based ray cast ... objects should not start in overlap, otherwise results are not defined". A ray of Bullet is a
+// segment, and the answer is a fraction of it.
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

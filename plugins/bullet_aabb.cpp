@@ -1,6 +1,6 @@
-// Bullet 3.24 in float, LinearMath/btAabbUtil2.h:117, btRayAabb, and :82, btRayAabb2, without words of promise.
-// btRayAabb takes a segment and answers a fraction of it. btRayAabb2 takes 1/d, made here as
-// btCollisionWorld.cpp:815 makes it, with 1e18 for 1/0.
+// Bullet 3.24 in float, LinearMath/btAabbUtil2.h:117, btRayAabb, and :82, btRayAabb2. Neither documents a promise.
+// btRayAabb takes a segment and returns a fraction of it. btRayAabb2 takes 1/d, which is computed here as in
+// btCollisionWorld.cpp:815, with 1e18 for 1/0.
 #include <algorithm>
 
 #include <LinearMath/btAabbUtil2.h>

@@ -1,6 +1,7 @@
-// Bullet 3.24 in float, btTriangleRaycastCallback::processTriangle (btRaycastCallback.cpp:35): the plane's distances
-// from both ends of a segment, then edges with "an epsilon as a tolerance", a ten-thousandth of the squared normal. A
-// segment ends behind the triangle: twice as far as its farthest vertex, or where the ray ends.
+// Bullet 3.24 in float, btTriangleRaycastCallback::processTriangle (btRaycastCallback.cpp:35). It takes the distances
+// of both ends of a segment from the plane, then tests the edges with "an epsilon as a tolerance", a ten-thousandth of
+// the squared normal. The segment ends behind the triangle, at twice the distance of its farthest vertex, or at the end
+// of the ray if that is nearer.
 #include <algorithm>
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>

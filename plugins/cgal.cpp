@@ -1,7 +1,7 @@
-// CGAL 5.5.1: do_intersect of a Ray_3, or of a Segment_3 where the ray ends, with a Sphere_3 and with an Iso_cuboid_3,
-// in a kernel that rounds (Simple_cartesian) and in one that does not (Exact_predicates_exact_constructions). A Ray_3
-// holds two points, so the second one, origin + direction, is rounded in the first kernel. Sphere_3 takes the radius
-// squared. Intersections_3/internal/Ray_3_Sphere_3_do_intersect.h:25, Bbox_3_Segment_3_do_intersect.h:135.
+// CGAL 5.5.1: do_intersect of a Ray_3 with a Sphere_3 and with an Iso_cuboid_3. A ray that has an end is a Segment_3.
+// One kernel rounds (Simple_cartesian), the other does not (Exact_predicates_exact_constructions). A Ray_3 holds two
+// points, so the first kernel rounds the second point, origin + direction. Sphere_3 takes the radius squared.
+// Intersections_3/internal/Ray_3_Sphere_3_do_intersect.h:25, Bbox_3_Segment_3_do_intersect.h:135.
 #include <cmath>
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
@@ -19,7 +19,7 @@ typename K::Point_3 point(const double (&p)[3]) {
 }
 template <class K, class Solid>
 bool meets(const Ray<double>& ray, const Solid& solid) {
-    for (const double* const v : {ray.origin, ray.direction})  // the exact kernel throws
+    for (const double* const v : {ray.origin, ray.direction})  // the exact kernel throws on others
         if (!(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]))) return false;
     const auto from = point<K>(ray.origin);
     const typename K::Vector_3 along(ray.direction[0], ray.direction[1], ray.direction[2]);

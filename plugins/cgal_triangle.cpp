@@ -1,7 +1,7 @@
 // CGAL 5.5.1: intersection of a Ray_3 and a Triangle_3 (Intersections_3/internal/Ray_3_Triangle_3_intersection.h), in
-// kernels that round (Simple_cartesian), whose predicates are exact, and that is exact. A Ray_3 holds two points, so
-// that origin + direction is rounded in all but the last. A segment in the triangle's plane is a miss, as elsewhere
-// here.
+// three kinds of kernel: one that rounds (Simple_cartesian), one with exact predicates, and an exact one. A Ray_3 holds
+// two points, so all but the exact kernel round origin + direction. If the intersection is a segment (the ray lies in
+// the plane of the triangle), it counts as a miss, as in lostbits itself.
 #include <cmath>
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
@@ -15,7 +15,7 @@ using namespace lostbits_plugin;
 template <class K, class T>
 Answer<T> triangle(const Ray<T>& r, const Triangle<T>& s) {
     using Point = typename K::Point_3;
-    for (int k = 0; k < 3; ++k)  // the exact kernel throws
+    for (int k = 0; k < 3; ++k)  // the exact kernel throws on others
         if (!std::isfinite(r.origin[k]) || !std::isfinite(r.direction[k])) return miss;
     const auto point = [](const T(&p)[3]) { return Point(p[0], p[1], p[2]); };
     const typename K::Triangle_3 solid(point(s.a), point(s.b), point(s.c));

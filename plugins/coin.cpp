@@ -1,6 +1,6 @@
-// Coin 4.0.0 in float, src/base/SbSphere.cpp:186, SbSphere::intersect of a line: "the intersection points of the ray",
-// which may lie behind its beginning. Of the points t is read back along the direction, which SbLine normalises.
-// SbBox3f has no ray test.
+// Coin 4.0.0 in float, src/base/SbSphere.cpp:186, SbSphere::intersect of a line: "the intersection points of the ray".
+// They may lie behind its origin. t is computed from the points, along the direction, which SbLine normalises. SbBox3f
+// has no ray test.
 #include <Inventor/SbLine.h>
 #include <Inventor/SbSphere.h>
 #include <lostbits_plugin.hpp>

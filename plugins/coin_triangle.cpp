@@ -1,6 +1,7 @@
-// Coin 4.0.0, src/actions/SoRayPickAction.cpp:606, SoRayPickAction::intersect with a triangle, by which faces are
-// picked: Moller and Trumbore's test in double, of floats. It tells a point of the line, also behind its beginning; t
-// is read back along the largest component. It is asked in a traversal, where the matrices are known.
+// Coin 4.0.0, src/actions/SoRayPickAction.cpp:606, SoRayPickAction::intersect with a triangle, which picks faces. It is
+// Moller and Trumbore's test in double on floats. It returns a point of the line, which may lie behind the origin. t is
+// computed from the point, along the largest component of the direction. The call is made in a traversal, where the
+// matrices are known.
 #include <Inventor/SbVec3f.h>
 #include <Inventor/SbViewportRegion.h>
 #include <Inventor/SoDB.h>

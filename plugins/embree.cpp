@@ -1,6 +1,6 @@
-// Embree 3.13.5, RTC_GEOMETRY_TYPE_SPHERE_POINT through rtcIntersect1 (kernels/geometry/sphere_intersector.h:40), with
-// a BVH above it that must not lose the ray either. The manual: "a ray-sphere intersection ... hits from outside, and
-// from inside the far side". float alone. A scene of one point, changed and committed wherever the sphere changes.
+// Embree 3.13.5, RTC_GEOMETRY_TYPE_SPHERE_POINT through rtcIntersect1 (kernels/geometry/sphere_intersector.h:40). The
+// BVH above it must not lose the ray either. The manual: "a ray-sphere intersection ... hits from outside, and from
+// inside the far side". float only. The scene holds one point, which is changed and committed when the sphere changes.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -23,7 +23,7 @@ bool valid(const float (&v)[3]) { return std::fabs(v[0]) + std::fabs(v[1]) + std
 
 Answer<float> sphere(const Ray<float>& r, const Sphere<float>& s) {
     static thread_local Scene world;
-    if (!valid(r.origin) || !valid(r.direction)) return miss;  // Debian's library would end the program
+    if (!valid(r.origin) || !valid(r.direction)) return miss;  // on larger ones Debian's library would end the program
     if (std::memcmp(world.at, &s, sizeof s) != 0) {
         std::memcpy(world.at, &s, sizeof s), rtcUpdateGeometryBuffer(world.points, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(world.points), rtcCommitScene(world.scene);

@@ -1,8 +1,8 @@
-// Embree 3.13.5, RTC_GEOMETRY_TYPE_TRIANGLE through rtcIntersect1, as it comes (Moller and Trumbore,
-// kernels/geometry/triangle_intersector_moeller.h:69) and with RTC_SCENE_FLAG_ROBUST (Pluecker coordinates,
-// triangle_intersector_pluecker.h:69), which "avoids optimizations that reduce arithmetic accuracy"; and both through
-// rtcIntersect8 where one triangle is asked by many rays. float alone. A scene of one triangle, committed wherever it
-// changes.
+// Embree 3.13.5, RTC_GEOMETRY_TYPE_TRIANGLE through rtcIntersect1, float only. By default it is Moller and Trumbore's
+// test (kernels/geometry/triangle_intersector_moeller.h:69). With RTC_SCENE_FLAG_ROBUST, which "avoids optimizations
+// that reduce arithmetic accuracy", it uses Pluecker coordinates (triangle_intersector_pluecker.h:69). Both are also
+// called through rtcIntersect8 if many rays are tested against one triangle. The scene holds one triangle, which is
+// committed when it changes.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -37,7 +37,7 @@ RTCIntersectContext fresh() {
     context.instID[0] = RTC_INVALID_GEOMETRY_ID;
     return context;
 }
-bool valid(const float* r) {  // Debian's library would end the program
+bool valid(const float* r) {  // on larger ones Debian's library would end the program
     return std::all_of(r, r + 6, [](float x) { return std::fabs(x) < 6e17F; });
 }
 

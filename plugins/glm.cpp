@@ -1,6 +1,6 @@
-// GLM 0.9.9.8, gtx/intersect.inl:135, the intersectRaySphere that tells a distance. GLM promises "the intersection
+// GLM 0.9.9.8, gtx/intersect.inl:135, the intersectRaySphere that returns a distance. GLM promises "the intersection
 // distance of a ray and a sphere. The ray direction vector is unit length" (gtx/intersect.hpp:63). It takes the radius
-// squared; r r is rounded before the call.
+// squared, so r r is rounded before the call.
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/glm.hpp>
 #include <glm/gtx/intersect.hpp>
@@ -22,7 +22,7 @@ Answer<T> sphere(const Ray<T>& ray, const Sphere<T>& s) {
 }
 
 template <class T>
-constexpr Form contract(Form form) {  // t = 0 is passed over: it returns intersectionDistance > Epsilon
+constexpr Form contract(Form form) {  // t = 0 is a miss: it returns intersectionDistance > Epsilon
     return form.unit_direction()
         .first_root()
         .origin_misses()

@@ -1,6 +1,7 @@
 // GLM 0.9.9.8, gtx/intersect.inl:34, intersectRayTriangle: "the intersection of a ray and a triangle"
-// (gtx/intersect.hpp:46), Moller and Trumbore's test by the sign of the determinant. It asks neither whether the
-// triangle lies behind, nor how large it is: a determinant within epsilon of 0 is a parallel ray.
+// (gtx/intersect.hpp:46). It is Moller and Trumbore's test with a branch on the sign of the determinant. It does not
+// test if the triangle lies behind the origin. A determinant within epsilon of 0 counts as a parallel ray, whatever the
+// size of the triangle.
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/glm.hpp>
 #include <glm/gtx/intersect.hpp>

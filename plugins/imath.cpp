@@ -1,5 +1,5 @@
 // Imath 3.1.6, ImathSphere.h:106, Sphere3::intersectT: "the smallest t with t >= 0 so that l(t) is a point on the
-// sphere". It leaves a = d.d out of its quadratic, so d is of unit length; a Line3 made of two points has such a d.
+// sphere". Its quadratic leaves out a = d.d, so d must have unit length. A Line3 made from two points has such a d.
 #include <ImathSphere.h>
 #include <lostbits_plugin.hpp>
 
@@ -7,7 +7,7 @@ using namespace lostbits_plugin;
 
 template <class T>
 Answer<T> sphere(const Ray<T>& ray, const Sphere<T>& s) {
-    Imath::Line3<T> line;  // of two points it would make a direction of its own
+    Imath::Line3<T> line;  // its constructor from two points would normalise the direction again
     line.pos.setValue(ray.origin[0], ray.origin[1], ray.origin[2]);
     line.dir.setValue(ray.direction[0], ray.direction[1], ray.direction[2]);
     T t = 0;

@@ -1,6 +1,6 @@
 // Imath 3.1.6, ImathBoxAlgo.h:642, intersects: "true if the ray starts inside the box or if the ray starts outside and
-// intersects the box", as a yes or no; and :372, findEntryAndExitPoints, whose points "may be on either side of the
-// ray's origin". Of those, the header reads t back.
+// intersects the box". It returns a bool. And :372, findEntryAndExitPoints, whose points "may be on either side of the
+// ray's origin". lostbits_plugin.hpp computes t from these points.
 #include <ImathBoxAlgo.h>
 #include <lostbits_plugin.hpp>
 

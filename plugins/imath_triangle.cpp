@@ -1,6 +1,7 @@
-// Imath 3.1.6, ImathLineAlgo.h:80, intersect of a line and a triangle: false where "line and plane are nearly parallel
-// or ... the triangle's area is very small". It tells a point of the line, also behind its beginning; t is read back
-// along the largest component. The distance is divided by the plane's before the point is made.
+// Imath 3.1.6, ImathLineAlgo.h:80, intersect of a line and a triangle: false if "line and plane are nearly parallel
+// or ... the triangle's area is very small". It returns a point of the line, which may lie behind the origin. t is
+// computed from the point, along the largest component of the direction. The distance is divided by the plane's before
+// the point is computed.
 #include <ImathLineAlgo.h>
 #include <lostbits_plugin.hpp>
 
@@ -12,7 +13,7 @@ Imath::Vec3<T> vec(const T (&v)[3]) {
 }
 template <class T>
 Points<T> triangle(const Ray<T>& ray, const Triangle<T>& s) {
-    Imath::Line3<T> line;  // of two points it would make a direction of its own
+    Imath::Line3<T> line;  // its constructor from two points would normalise the direction again
     line.pos = vec(ray.origin), line.dir = vec(ray.direction);
     Imath::Vec3<T> point, weights;
     bool front = false;

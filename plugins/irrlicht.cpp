@@ -1,6 +1,7 @@
 // Irrlicht 1.8.5, line3d.h:113, getIntersectionWithSphere: "the distance to the first intersection point" of a line
-// that goes through two points, also behind the first of them; and aabbox3d.h:253, intersectsWithLine, which tells yes
-// or no of the segment between them. The line is made of the origin and a point on the ray, behind the solid for a box.
+// through two points, which may lie behind the first of them. And aabbox3d.h:253, intersectsWithLine, which returns a
+// bool for the segment between two points. The line is made from the origin and a point on the ray. For a box that
+// point lies behind the box.
 #include <algorithm>
 
 #include <aabbox3d.h>

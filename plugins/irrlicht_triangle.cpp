@@ -1,6 +1,7 @@
 // Irrlicht 1.8.5, triangle3d.h:147, getIntersectionWithLine: the point of a line, "also ... not between the start and
-// end point", from the plane in double and three questions on which side of an edge it lies, "border-points count also
-// as inside". The point is rounded to float, and t read back along the largest component.
+// end point". It intersects with the plane in double, then tests three times on which side of an edge the point lies,
+// where "border-points count also as inside". The point is rounded to float. t is computed from it along the largest
+// component of the direction.
 #include <triangle3d.h>
 #include <lostbits_plugin.hpp>
 

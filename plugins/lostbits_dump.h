@@ -1,17 +1,18 @@
-/* Writes rays and the answers of a renderer into a file that `lostbits judge` reads. One file, nothing to link with:
- * C99, C++, and CUDA, where `lostbits_dump_add` may be called on the device.
+/* Writes rays and the answers of a renderer into a file that `lostbits judge` reads. This header is all that is needed:
+ * there is nothing to link with. It works in C99, in C++ and in CUDA, where `lostbits_dump_add` may be called on the
+ * device.
  *
  *     lostbits_dump dump;
- *     lostbits_dump_begin(&dump, 1000000, "sphere");         room for a million rays, each with its sphere
- *     ... in any thread, where a ray has met a sphere or missed it:
+ *     lostbits_dump_begin(&dump, 1000000, "sphere");         memory for a million rays, each with its sphere
+ *     ... in any thread, when a ray has hit or missed a sphere:
  *     lostbits_dump_add(&dump, id, o, d, tmin, tmax, sphere, hit, t);
  *     ... at the end:
  *     lostbits_dump_end(&dump, "rays.npy");
  *
  *     $ lostbits judge rays.npy -o out
  *
- * Rays beyond the room are counted (`dump.count`) and not kept. Define LOSTBITS_DUMP_REAL as double in front of the
- * include where the renderer computes in double: the file's type says which arithmetic is judged. */
+ * Rays that do not fit are counted (`dump.count`) but not kept. If the renderer computes in double, define
+ * LOSTBITS_DUMP_REAL as double before the include: the type in the file says which arithmetic is judged. */
 #ifndef LOSTBITS_DUMP_H
 #define LOSTBITS_DUMP_H
 
@@ -29,22 +30,22 @@
 #define LOSTBITS_DUMP_ANYWHERE static inline
 #endif
 
-enum { LOSTBITS_DUMP_MOST = 9 }; /* numbers of a solid */
+enum { LOSTBITS_DUMP_MOST = 9 }; /* largest count of numbers of a primitive */
 
 typedef struct lostbits_dump_row {
-    LOSTBITS_DUMP_REAL number[8 + LOSTBITS_DUMP_MOST + 1]; /* origin, direction, tmin, tmax, the solid's, t */
+    LOSTBITS_DUMP_REAL number[8 + LOSTBITS_DUMP_MOST + 1]; /* origin, direction, tmin, tmax, primitive, t */
     unsigned id, hit;
 } lostbits_dump_row;
 
 typedef struct lostbits_dump {
     lostbits_dump_row* rows;
     unsigned long long room, count;
-    int solid; /* numbers that a solid has */
+    int solid; /* count of numbers of a primitive */
     const char* shape;
 } lostbits_dump;
 
-/* The columns of a solid, as `lostbits judge` knows them; NULL for a shape that is unknown. "none": the solids of all
- * rays are named to `judge` by --sphere, --scene and the like. */
+/* Returns the column names of a shape's numbers, as `lostbits judge` reads them, or NULL for an unknown shape. With
+ * "none" there are no such columns: name the primitives to `judge` by --sphere, --scene and so on. */
 static inline const char* const* lostbits_dump_columns(const char* shape, int* count) {
     static const char* const columns[][LOSTBITS_DUMP_MOST + 1] = {
         {"none"},
@@ -67,8 +68,8 @@ static inline const char* const* lostbits_dump_columns(const char* shape, int* c
     return NULL;
 }
 
-/* Uses these rows, `room` of them: of CUDA, memory that the device sees too (cudaMallocManaged), in which the dump
- * itself lies as well. 0, or -1 where the shape is unknown. */
+/* Begins a dump in memory of the caller, which has `room` rows. For CUDA, the rows and the dump itself must lie in
+ * memory that the device can access (cudaMallocManaged). Returns 0, or -1 if the shape is unknown. */
 static inline int lostbits_dump_begin_in(lostbits_dump* dump, lostbits_dump_row* rows, unsigned long long room,
                                          const char* shape) {
     dump->rows = rows;
@@ -78,15 +79,16 @@ static inline int lostbits_dump_begin_in(lostbits_dump* dump, lostbits_dump_row*
     return lostbits_dump_columns(shape, &dump->solid) != NULL ? 0 : -1;
 }
 
-/* Room in memory of its own, which `lostbits_dump_end` gives back. 0, or -1 where there is none. */
+/* Begins a dump and allocates memory for `room` rows, which `lostbits_dump_end` frees. Returns 0, or -1 if there is not
+ * enough memory or the shape is unknown. */
 static inline int lostbits_dump_begin(lostbits_dump* dump, unsigned long long room, const char* shape) {
     lostbits_dump_row* const rows = (lostbits_dump_row*)malloc((size_t)room * sizeof(lostbits_dump_row));
     return rows == NULL ? -1 : lostbits_dump_begin_in(dump, rows, room, shape);
 }
 
-/* Adds a ray; from any thread. `id` is the caller's own: a pixel, a depth; it stays in the tables of `judge --rows`.
- * The range is that of the ray (tmin 0, tmax infinite where it has none); `solid` has the numbers of the shape; t is
- * not read where `hit` is 0. */
+/* Adds a ray. May be called from any thread. `id` is any number of the caller, such as a pixel or a depth; the tables
+ * of `judge --rows` repeat it. `tmin` and `tmax` are the range of the ray (0 and infinity if it has none). `solid` has
+ * the numbers of the primitive. t is ignored if `hit` is 0. */
 LOSTBITS_DUMP_ANYWHERE void lostbits_dump_add(lostbits_dump* dump, unsigned id, const LOSTBITS_DUMP_REAL* o,
                                               const LOSTBITS_DUMP_REAL* d, LOSTBITS_DUMP_REAL tmin,
                                               LOSTBITS_DUMP_REAL tmax, const LOSTBITS_DUMP_REAL* solid, int hit,
@@ -108,7 +110,7 @@ LOSTBITS_DUMP_ANYWHERE void lostbits_dump_add(lostbits_dump* dump, unsigned id, 
     row->hit = hit ? 1 : 0;
 }
 
-/* Writes the rays that were kept as an .npy file. 0, or -1 where the file could not be written. */
+/* Writes the rays that were kept as an .npy file. Returns 0, or -1 if the file could not be written. */
 static inline int lostbits_dump_write(const lostbits_dump* dump, const char* path) {
     static const char* const of_ray[] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax"};
     const int bits = (int)sizeof(LOSTBITS_DUMP_REAL);
@@ -117,7 +119,8 @@ static inline int lostbits_dump_write(const lostbits_dump* dump, const char* pat
     const char* const* const names = lostbits_dump_columns(dump->shape, &count);
     FILE* const file = fopen(path, "wb");
     if (file == NULL) return -1;
-    /* magic, version 1.0, the header's length, and the header, which ends with a line break at a multiple of 64 */
+    /* magic, version 1.0, the header's length, and the header, which ends with a line break at a multiple of 64 bytes
+     */
     char header[1024];
     size_t n = (size_t)sprintf(header, "{'descr': [");
     for (int k = 0; k < 8 + count; ++k)
@@ -141,7 +144,7 @@ static inline int lostbits_dump_write(const lostbits_dump* dump, const char* pat
     return fclose(file) != 0 || wrong != 0 ? -1 : 0;
 }
 
-/* Writes, and gives the memory of `lostbits_dump_begin` back. */
+/* Writes the file and frees the memory of `lostbits_dump_begin`. Returns what `lostbits_dump_write` returns. */
 static inline int lostbits_dump_end(lostbits_dump* dump, const char* path) {
     const int written = lostbits_dump_write(dump, path);
     free(dump->rows);

@@ -1,6 +1,6 @@
-// A form written once for every number (C++20), as a library that carries all of them: float, double, the widths
-// between, enclosures, tapes, packs. Unlike a function behind lostbits_plugin.h it can be explained, and the bits that
-// it needs be found. The whole of such a library:
+// A form that is written once for every number type (C++20), in a library that contains it for all of them: float,
+// double, the widths between, enclosures, tapes, packs. Unlike a function behind lostbits_plugin.h, it can be
+// explained, and lostbits can find the bits that it needs. A complete library:
 //
 //   #include <lostbits_form.hpp>
 //   using namespace lostbits;
@@ -15,21 +15,21 @@
 //   };
 //   LOSTBITS_FORMULAS(Mine)
 //
-// and in CMakeLists.txt
+// and its CMakeLists.txt
 //
 //   find_package(lostbits REQUIRED)
 //   lostbits_add_formulas(mylib mine.cpp)
 //
-// which compiles the file once for all arithmetics and once for each width of registers. A form of a box takes
-// `(const Ray<T>&, const Box<T>&, const T& tmax)`; one that marches `(const Ray<T>&, const Field& field,
-// const intersect::MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md leads from a function with `if` to here.
+// This compiles the file once for all number types, and once more for each register width. A form for a box takes
+// `(const Ray<T>&, const Box<T>&, const T& tmax)`. A form that marches takes `(const Ray<T>&, const Field& field,
+// const intersect::MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md starts from a function with `if`.
 #pragma once
 
 #include "intersect/info.hpp"
 #include "shapes/box/box.hpp"
 #include "shapes/sphere/sphere.hpp"
 
-#if defined(LOSTBITS_ISA)  // one object for each width of registers, which sees what packs need and nothing else
+#if defined(LOSTBITS_ISA)  // an object for one register width, which includes only what packs need
 
 #include "intersect/simd/packed_batch.hpp"
 #include "number/width.hpp"
@@ -57,14 +57,14 @@ void fill_own_rows(simd::RawRow* row) {
 
 namespace lostbits::intersect::doors {
 
-// Those that are not linked are null.
+// Null for register widths that are not linked.
 [[gnu::weak]] void fill_own_w128(simd::RawRow* rows);
 [[gnu::weak]] void fill_own_w256(simd::RawRow* rows);
 [[gnu::weak]] void fill_own_w512(simd::RawRow* rows);
 
 }  // namespace lostbits::intersect::doors
 
-/// The forms that the library exports; once, outside of every namespace.
+/// Exports forms from the library. Use it once, outside of every namespace.
 #define LOSTBITS_FORMULAS(...)                                                                                         \
     extern "C" [[gnu::visibility("default")]] const lostbits::intersect::doors::FormulaList* lostbits_formulas(        \
         const lostbits::intersect::doors::FormulaWatch* watch) {                                                       \

@@ -1,17 +1,17 @@
-/* The door for compiled intersectors: a shared library that exports `lostbits_forms` comes under test with
- * `lostbits map SCENE --plugin LIBRARY.so`. C99; nothing to link with.
+/* The interface for compiled intersectors. A shared library that exports `lostbits_forms` can be tested with
+ * `lostbits map SCENE --plugin LIBRARY.so`. It needs C99, and there is nothing to link with.
  *
- * A form answers a batch of rays against a sphere |p - centre| = radius, a box lo <= p <= hi, a triangle, an
- * ellipsoid |(p - centre)/radii| = 1, a cylinder with caps, a capsule, a tube (a cylinder without caps), a cone with
- * caps, a disc, a plane or a torus: the t of p = origin + t direction where the ray first meets the surface, t >= 0.
- * What it may assume and what it promises stands in its `lb_form`; `lostbits plugin check LIBRARY.so` tries whether it
- * is so. */
+ * A form is a function that intersects a batch of rays with one kind of primitive: a sphere |p - centre| = radius, a
+ * box lo <= p <= hi, a triangle, an ellipsoid |(p - centre)/radii| = 1, a cylinder with caps, a capsule, a tube (a
+ * cylinder without caps), a cone with caps, a disc, a plane or a torus. It returns the t of p = origin + t direction at
+ * which the ray first hits the surface, t >= 0. Its `lb_form` states what it may assume and what it promises; `lostbits
+ * plugin check LIBRARY.so` tests that. */
 #ifndef LOSTBITS_PLUGIN_H
 #define LOSTBITS_PLUGIN_H
 
 #include <stddef.h>
 
-/* The version of this file. A library returns NULL where it is asked for one that it was not compiled for. */
+/* The version of this interface. A library returns NULL if it is called with another version than its own. */
 #define LOSTBITS_PLUGIN_ABI 1
 
 #ifdef __cplusplus
@@ -37,70 +37,76 @@ enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 }; /* lb_form.roo
 enum { LB_HIT = 0, LB_MISS = 1, LB_EXIT = 2 };                    /* lb_form.touching, lb_form.at_origin */
 
 enum {
-    /* `hit` says that the whole line meets the solid, in front of the origin or behind: the first t >= 0 of near and
-     * far is taken from it. Needs LB_BOTH, or LB_NEAR, whose t < 0 is a miss. */
+    /* `hit` is 1 if the whole line hits the primitive, in front of the origin or behind it. The caller then takes the
+     * first t >= 0 of near and far. Needs LB_BOTH, or LB_NEAR, where t < 0 is a miss. */
     LB_LINE = 1,
-    /* `ends` is not looked at: what lies beyond is taken away afterwards. Of LB_HIT_ONLY: the ray has no end. */
+    /* The form ignores `ends`. The caller removes hits beyond the end. With LB_HIT_ONLY, rays have no end. */
     LB_NO_END = 2,
-    /* One call at a time. */
+    /* `run` must not be called by several threads at once. */
     LB_ONE_THREAD = 4,
-    /* The interval is cut to the ray: near is 0 where the line enters behind the origin. Needs LB_BOTH, and of a sphere
-     * at_origin = LB_EXIT or LB_MISS: near = 0 tells no entry at the origin from one behind. */
+    /* The interval is clipped to the ray: near is 0 if the line enters behind the origin. Needs LB_BOTH. For a sphere
+     * it also needs at_origin = LB_EXIT or LB_MISS, since near = 0 does not distinguish an entry at the origin from one
+     * behind it. */
     LB_CLIPPED = 8,
-    /* The answer from inside, one of these. Without: the exit of a sphere, 0 of a box; of LB_NEAR a miss. */
-    LB_INSIDE_EXIT = 16, /* where the ray leaves */
+    /* The answer to a ray that starts inside, one of the following. Without any, it is the exit for a sphere, 0 for a
+     * box, and a miss with LB_NEAR. */
+    LB_INSIDE_EXIT = 16, /* the t at which the ray leaves */
     LB_INSIDE_ZERO = 32, /* t = 0 */
-    LB_INSIDE_NEAR = 48, /* the near root, t < 0, which the caller looks at; needs LB_NEAR */
+    LB_INSIDE_NEAR = 48, /* the near root, t < 0, which the caller checks; needs LB_NEAR */
     LB_INSIDE_MISS = 64,
-    LB_INSIDE = 112, /* the bits of these */
-    /* Rays of every shape begin and end: `starts` and `ends` are looked at, t counts where start <= t <= end, both ends
-     * included, and where the range begins inside of a solid that answers 0 from inside, t is start. Needs LB_FIRST or
-     * LB_HIT_ONLY: of a form that tells near and far the first of them in the range is taken afterwards. */
+    LB_INSIDE = 112, /* mask of these bits */
+    /* The form takes the range of each ray from `starts` and `ends`, for every shape: a hit needs start <= t <= end,
+     * both ends included. If the range starts inside a primitive whose answer from inside is 0, t is start. Needs
+     * LB_FIRST or LB_HIT_ONLY. For a form that returns near and far, the caller takes the first of them in the range
+     * afterwards. */
     LB_RANGE = 128,
-    /* The one side that a triangle, a disc or a plane is met from. Without: both. The front is where the normal points
-     * to, of a triangle (b - a) x (c - a): seen from there a, b, c run counter-clockwise. */
+    /* A triangle, a disc or a plane is hit from one side only. Without these flags it is hit from both. The front is
+     * the side that the normal points to. For a triangle the normal is (b - a) x (c - a): seen from the front, a, b, c
+     * run counter-clockwise. */
     LB_FACING_FRONT = 256,
     LB_FACING_BACK = 512,
-    LB_FACING = 768 /* the bits of these */
+    LB_FACING = 768 /* mask of these bits */
 };
 
 /* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */
 typedef struct lb_batch {
     size_t size;         /* rays */
     const void* rays;    /* size x 6: origin x y z, direction x y z */
-    const void* ends;    /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
-    const void* solids;  /* by shape: centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; centre x y z,
-                            radii x y z; base or start x y z, top or end x y z, radius (of a cone radius of the base,
-                            radius of the top); disc: centre x y z, normal x y z, radius, radius of the hole; plane:
-                            point x y z, normal x y z; torus: centre x y z, axis x y z, major and minor radius */
-    size_t solid_stride; /* numbers from the solid of one ray to that of the next; 0: one for all */
-    void* near_far;      /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
-                            the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */
-    unsigned char* hit;  /* out, size: 1 or 0 */
-    void* own;           /* lb_form.own */
-    const void* starts;  /* of LB_RANGE, size: where each ray begins, as t >= 0; NULL: all at 0 */
+    const void* ends;    /* size: the t at which each ray ends, or infinity; NULL: no ray ends */
+    const void* solids;  /* numbers of the primitives. Sphere: centre x y z, radius. Box: lo x y z, hi x y z. Triangle:
+                            vertices a, b, c. Ellipsoid: centre x y z, radii x y z. Cylinder, capsule, tube: base or
+                            start x y z, top or end x y z, radius. Cone: the same, with radius of the base and radius of
+                            the top. Disc: centre x y z, normal x y z, radius, radius of the hole. Plane: point x y z,
+                            normal x y z. Torus: centre x y z, axis x y z, major and minor radius */
+    size_t solid_stride; /* count of numbers from the primitive of one ray to that of the next; 0: one for all rays */
+    void* near_far;     /* out, size x 2: t of entry and exit of the line. With LB_NEAR and LB_FIRST the first is t, and
+                           the second is not read. With LB_HIT_ONLY, or if `hit` is 0, neither is read */
+    unsigned char* hit; /* out, size: 1 or 0 */
+    void* own;          /* lb_form.own */
+    const void* starts; /* size, with LB_RANGE: the t >= 0 at which each ray starts; NULL: all start at 0 */
 } lb_batch;
 
 typedef struct lb_form {
-    const char* name;   /* of letters, digits and . _ -, such as "mylib.sphere". Two forms may share one, a format each,
-                           where all else that they promise is the same */
-    const char* title;  /* a line; or NULL */
-    const char* source; /* where the code is: library, version, file, function; or NULL */
+    const char* name;   /* letters, digits and . _ -, such as "mylib.sphere". Two forms of different formats may share a
+                           name if everything else that they promise is the same */
+    const char* title;  /* one line, or NULL */
+    const char* source; /* library, version, file and function of the code, or NULL */
     int shape, format;
-    int direction; /* LB_UNIT: directions come normalised and rounded to the format, so t is a distance */
-    int roots;     /* LB_NEAR: the smaller root alone, t < 0 is a miss. LB_FIRST: the first t >= 0 */
-    int touching;  /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed. LB_MISS: it misses,
-                      and so does one that ends where it enters a solid; a tube and what is flat it may end on */
-    int at_origin; /* LB_MISS: a surface exactly at the origin (t = 0) is passed over, where the ray goes in and
-                      where it goes out. LB_EXIT: where it goes in alone; where it goes out, t = 0 is its exit */
+    int direction; /* LB_UNIT: directions are normalised and rounded to the format, so t is a distance */
+    int roots;     /* LB_NEAR: only the smaller root; t < 0 is a miss. LB_FIRST: the first t >= 0 */
+    int touching;  /* LB_HIT: a ray that touches in one point hits, and a box is closed. LB_MISS: such a ray misses. So
+                      does one that ends where it enters a primitive, except on a tube or a flat one */
+    int at_origin; /* LB_MISS: a surface exactly at the origin (t = 0) is not hit, whether the ray enters or leaves
+                      there. LB_EXIT: it is not hit where the ray enters; where the ray leaves, its exit is t = 0 */
     unsigned flags;
     void* own;
-    /* Writes near_far and hit of every ray. NULL, or why it could not: a text that lives until the next call. Called
-     * from several threads at once unless LB_ONE_THREAD. */
+    /* Writes near_far and hit of every ray. Returns NULL, or the reason for a failure: a text that must stay valid
+     * until the next call. Called from several threads at once unless LB_ONE_THREAD is set. */
     const char* (*run)(const lb_batch* batch);
 } lb_form;
 
-/* What the library exports. The forms live as long as it is loaded. NULL where `abi` is not LOSTBITS_PLUGIN_ABI. */
+/* The function that the library exports. It returns `count` forms, which stay valid while the library is loaded, or
+ * NULL if `abi` is not LOSTBITS_PLUGIN_ABI. */
 #if defined(_WIN32)
 __declspec(dllexport)
 #elif defined(__GNUC__)

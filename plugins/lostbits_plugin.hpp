@@ -1,4 +1,4 @@
-// A function of one ray as a form of a plugin (C++17). The whole of a plugin:
+// Makes a function of one ray a form of a plugin (C++17). A complete plugin:
 //
 //   #include <lostbits_plugin.hpp>
 //   using namespace lostbits_plugin;
@@ -10,8 +10,8 @@
 //   }
 //   LOSTBITS_FORMS(form<mine>("mylib.sphere").first_root().unit_direction())
 //
-// Shape and format follow from the function's arguments, which may also be a `Segment`, a `CentreBox`, a
-// `SphereAtOrigin`; the answer may be `bool`, `Thickness`, `Points`. What it throws is caught and told.
+// Shape and format follow from the function's arguments. These may also be a `Segment`, a `CentreBox` or a
+// `SphereAtOrigin`. The function may also return `bool`, `Thickness` or `Points`. An exception is caught and reported.
 #pragma once
 
 #include <cmath>
@@ -23,28 +23,28 @@
 
 namespace lostbits_plugin {
 
-/// What a function may take of a ray: the ray, or the segment from its origin to a point behind the solid (or to the
-/// ray's end), from + length direction, where directions have unit length. Of a segment an answer in t is a fraction of
-/// its length; a point is a point.
+/// A ray, the first argument of a function. Instead it may take a `Segment`: from the origin to from + length
+/// direction, a point behind the primitive or the end of the ray. Directions then have unit length. From a segment, t
+/// is returned as a fraction of its length, and a point as it is.
 template <class T>
 struct Ray {
     T origin[3], direction[3];
-    T end;        ///< infinity where the ray does not end
-    T start = 0;  ///< of a form `in_range`: where it begins, and 0 of others
+    T end;        ///< t at the end, or infinity
+    T start = 0;  ///< t at the start for a form `in_range`; 0 for others
 };
 template <class T>
 struct Segment {
     T from[3], to[3];
 };
 
-/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`, `Ellipsoid`,
-/// `Cylinder`, `Capsule`, `Tube`, `Cone`, `Disc`, `Plane` and `Torus`; the others are made of them.
+/// Primitives, the second argument of a function. A batch has the numbers of `Sphere`, `Box`, `Triangle`, `Ellipsoid`,
+/// `Cylinder`, `Capsule`, `Tube`, `Cone`, `Disc`, `Plane` and `Torus`. The other types are computed from these.
 template <class T>
 struct Sphere {
     T centre[3], radius;
 };
 template <class T>
-struct SphereAtOrigin {  ///< the ray's origin minus the centre takes the origin's place
+struct SphereAtOrigin {  ///< the centre is subtracted from the ray's origin
     T radius;
 };
 template <class T>
@@ -95,7 +95,7 @@ struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
 inline constexpr struct Miss {
 } miss{};
 
-/// Where the ray meets the solid: `{t}`, or `{near, far}`; or `miss`. `bool` does for a form that tells no more.
+/// Hit of a ray with a primitive: `{t}`, `{near, far}` or `miss`. A form that returns only hit or miss may use `bool`.
 template <class T>
 struct Answer {
     bool hit;
@@ -104,7 +104,7 @@ struct Answer {
     Answer(T first, T second) : hit(true), near(first), far(second) {}
     Answer(Miss) : hit(false), near(0), far(0) {}
 };
-/// The same as near and what lies between: far = near + thickness.
+/// Hit as near and thickness: far = near + thickness.
 template <class T>
 struct Thickness {
     bool hit;
@@ -112,7 +112,7 @@ struct Thickness {
     Thickness(T first, T between) : hit(true), near(first), thickness(between) {}
     Thickness(Miss) : hit(false), near(0), thickness(0) {}
 };
-/// The same as points, whose t is read along the largest component of the direction: (point - origin)/direction.
+/// Hit as points. t is computed along the largest component of the direction: (point - origin)/direction.
 template <class T>
 struct Points {
     bool hit;
@@ -125,7 +125,7 @@ struct Points {
         : hit(true), near{first[0], first[1], first[2]}, far{second[0], second[1], second[2]} {}
 };
 
-/// The t of an answer. A number counts in `lengths`: 1 of a ray, the length of a segment. A point lies where it is.
+/// Converts an answer to t. A number is multiplied by `lengths`, which is 1 for a ray and the length for a segment.
 template <class T>
 Answer<T> answer_of(const Answer<T>& a, const Ray<T>&, T lengths) {
     return a.hit ? Answer<T>(a.near * lengths, a.far * lengths) : Answer<T>(miss);
@@ -143,7 +143,7 @@ Answer<T> answer_of(const Points<T>& a, const Ray<T>& ray, T) {
     return {(a.near[k] - ray.origin[k]) / ray.direction[k], (a.far[k] - ray.origin[k]) / ray.direction[k]};
 }
 
-/// How a solid is made of a batch's numbers; `ray` is the one that it goes with.
+/// Makes a primitive from the numbers of a batch. `ray` is the ray that it is tested with.
 template <class S>
 struct SolidOf;
 template <class T>
@@ -225,11 +225,12 @@ template <class T>
 T length(const T (&v)[3]) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
-/// Behind the solid, as a distance: from the origin to the solid's middle, and its diameter or diagonal more.
+/// Distance from the ray's origin to a point behind the primitive: the distance of its middle plus its diameter or
+/// diagonal, or the end of the ray if that is nearer.
 template <int shape, class T>
 T reach(const T* n, const Ray<T>& ray) {
     constexpr bool along = shape == LB_CYLINDER || shape == LB_CAPSULE || shape == LB_TUBE || shape == LB_CONE;
-    constexpr bool of_two = shape == LB_BOX || along;  // points, with the middle between them
+    constexpr bool of_two = shape == LB_BOX || along;  // two points, with the middle between them
     T between[3], across[3] = {},
                   radius = shape == LB_BOX ? 0 : n[along || shape == LB_DISC || shape == LB_TORUS ? 6 : 3];
     for (int k = 4; shape == LB_ELLIPSOID && k < 6; ++k) radius = n[k] > radius ? n[k] : radius;
@@ -243,7 +244,7 @@ T reach(const T* n, const Ray<T>& ray) {
     return ray.end < far ? ray.end : far;
 }
 
-/// Calls a function with what it takes, for one ray. `lengths` becomes the length of the segment that it was given.
+/// Calls a function for one ray, with the arguments that it takes. Sets `lengths` to the length of a segment.
 template <class R, class T, class S>
 R call(R (*function)(const Ray<T>&, const S&), Ray<T>& ray, const T* n, T&) {
     const S solid = SolidOf<S>::make(n, ray);
@@ -268,7 +269,7 @@ struct Traits<R (*)(const A<T>&, const S&)> {
     using Number = T;
     static_assert(!(std::is_same_v<A<T>, Segment<T>> &&
                     (SolidOf<S>::shape == LB_TRIANGLE || SolidOf<S>::shape == LB_PLANE)),
-                  "a segment ends behind its solid, and behind a triangle or a plane is no place: take a Ray");
+                  "a triangle or a plane gives a segment no end behind it: take a Ray instead of a Segment");
     static constexpr int shape = SolidOf<S>::shape;
     static constexpr bool hit_only = std::is_same_v<R, bool>;
     static constexpr bool of_segments = std::is_same_v<A<T>, Segment<T>>;
@@ -307,12 +308,12 @@ const char* run(const lb_batch* batch) {
         text[k] = 0;
         return text;
     } catch (...) {
-        return "threw something that is no std::exception";
+        return "threw something other than a std::exception";
     }
     return nullptr;
 }
 
-/// What a form promises, word by word; see `lb_form`.
+/// The properties of a form, each set by a function. `lb_form` explains them.
 struct Form : lb_form {
     constexpr Form titled(const char* words) const { return with(&lb_form::title, words); }
     constexpr Form from(const char* words) const { return with(&lb_form::source, words); }
@@ -329,8 +330,8 @@ struct Form : lb_form {
     constexpr Form inside_misses() const { return inside(LB_INSIDE_MISS); }
     constexpr Form facing_front() const { return facing(LB_FACING_FRONT); }
     constexpr Form facing_back() const { return facing(LB_FACING_BACK); }
-    /// Of a sphere an entry at the origin cannot be told from one behind it: `origin_exits` goes with it, or, said
-    /// after it, `origin_misses`.
+    /// The interval is clipped to the ray. A clipped interval of a sphere does not distinguish an entry at the origin
+    /// from one behind it, so this also sets `origin_exits`. Call `origin_misses` after it to replace that.
     constexpr Form clipped() const {
         const Form made = with(&lb_form::flags, flags | LB_CLIPPED);
         return shape == LB_SPHERE ? made.origin_exits() : made;
@@ -351,7 +352,8 @@ private:
     }
 };
 
-/// Both roots, any direction (of segments: of unit length), the closed solid, until it is told otherwise.
+/// Makes a form of a function. Until changed it returns both roots and takes directions of any length (unit length for
+/// segments), and touching hits.
 template <auto function>
 constexpr Form form(const char* name) {
     using Of = Traits<decltype(function)>;
@@ -362,7 +364,7 @@ constexpr Form form(const char* name) {
 
 }  // namespace lostbits_plugin
 
-/// The forms that the library exports.
+/// Exports these forms from the library.
 #define LOSTBITS_FORMS(...)                                                 \
     extern "C" const lb_form* lostbits_forms(int abi, std::size_t* count) { \
         static const lb_form forms[] = {__VA_ARGS__};                       \

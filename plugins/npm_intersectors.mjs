@@ -1,12 +1,12 @@
-// Ray tests of npm packages behind a pipe (docs/pipe.md), whichever of the list `offered` are installed (`npm ci
-// --prefix plugins/npm`, or the folder that LOSTBITS_NPM names). All compute in double, but for rapier: WebAssembly in
-// float.
+// Ray tests of npm packages behind a pipe (docs/pipe.md): those of the list `offered` that are installed, by `npm ci
+// --prefix plugins/npm` or in the folder that LOSTBITS_NPM names. All compute in double, except rapier, which is
+// WebAssembly in float.
 //
 //   lostbits map near-benign --pipe 'node plugins/npm_intersectors.mjs' -i 'three.*' -f f64 -o out
 //
-// three promises a normalised direction (math/Ray.js:27); so do Cesium (Core/Ray.js, whose constructor normalises) and
-// Babylon by its formula. A package's t is taken as it computes it, before it makes a point of it. A predicate that
-// tells yes or no is a form without roots.
+// three promises a normalised direction (math/Ray.js:27). So do Cesium (Core/Ray.js, whose constructor normalises) and
+// Babylon (by its formula). t is taken as a package computes it, before the package computes a point from it. A test
+// that returns yes or no is a form with roots=none.
 import { readFileSync, readSync, writeSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
@@ -15,7 +15,8 @@ const folder = process.env.LOSTBITS_NPM || fileURLToPath(new URL('npm', import.m
 const within = (file) => import(pathToFileURL(join(folder, 'node_modules', file)).href);
 const all = async (base, files) => (await Promise.all(files.map((f) => within(`${base}/${f}.js`))));
 
-/// { name, words, make }: make() loads the package and returns solid -> (ray) -> null or [near, far].
+/// Each loader below loads one package. It returns an object from the name of a form to primitive -> (ray) -> null or
+/// [near, far], or a boolean for a test.
 const three = async () => {
     const [{ Ray }, { Sphere }, { Box3 }, { Vector3 }] =
         await all('three/src/math', ['Ray', 'Sphere', 'Box3', 'Vector3']);
@@ -96,7 +97,7 @@ const playcanvas = async () => {
         'playcanvas.sphere': (s, v = new BoundingSphere(new Vec3(s[0], s[1], s[2]), s[3])) => (r) =>
             (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
         'playcanvas.box': (s, v = box(s)) => (r) => (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
-        // It tells a point only where it is given a Vec3.
+        // It returns a point only if it is given a Vec3.
         'playcanvas.triangle': (c, v = [0, 3, 6].map((k) => new Vec3(c[k], c[k + 1], c[k + 2]))) => {
             const triangle = new Tri(v[0], v[1], v[2]), met = Object.assign(new Vec3(), point);
             return (r) => (triangle.intersectsRay(set(r), met) ? [point.t, point.t] : null);
@@ -108,7 +109,7 @@ const cannon = async () => {
     const { AABB, Body, Box, Ray, RaycastResult, Sphere, Vec3 } = await within('cannon-es/dist/cannon-es.js');
     const ray = new Ray(), result = new RaycastResult();
     ray.mode = Ray.CLOSEST;
-    // A ray of cannon is a segment; a body is met within `reach` of its centre.
+    // A ray of cannon is a segment. Its end lies `reach` behind the centre of the body, and so behind the body.
     const cast = (body, reach) => (r) => {
         const { x, y, z } = body.position;
         const length = Math.hypot(x - r[0], y - r[1], z - r[2]) + reach;
@@ -122,7 +123,7 @@ const cannon = async () => {
     const corner = (b, k) => new Vec3(b[k], b[k + 1], b[k + 2]);
     return {
         'cannon.sphere': (s) => cast(body(new Sphere(s[3]), s[0], s[1], s[2]), 2 * s[3]),
-        // Hollow: from inside it tells where the ray leaves; the box of lostbits is solid and met at t = 0.
+        // cannon's box is hollow: from inside it returns the exit. The box of lostbits is solid and hit at t = 0.
         'cannon.box': (b) => {
             const lo = corner(b, 0), hi = corner(b, 3), half = hi.vsub(lo).scale(0.5), middle = hi.vadd(lo).scale(0.5);
             const shape = new Box(half), test = cast(body(shape, middle.x, middle.y, middle.z), 2 * half.length());
@@ -141,8 +142,8 @@ const ogl = async () => {
     const cast = new Raycast();
     const set = (r) => { cast.origin.set(r[0], r[1], r[2]); cast.direction.set(r[3], r[4], r[5]); return cast; };
     const at = (s, k) => new Vec3(s[k], s[k + 1], s[k + 2]);
-    const t = (distance) => (distance ? [distance, distance] : null);  // 0 is a miss to it
-    // From inside it tells where the ray leaves. intersectBounds asks by these comparisons before.
+    const t = (distance) => (distance ? [distance, distance] : null);  // ogl returns 0 for a miss
+    // From inside, intersectBox returns the exit. intersectBounds of ogl makes these comparisons first.
     const inside = (b, o) => !(o[0] < b[0] || o[0] > b[3] || o[1] < b[1] || o[1] > b[4] || o[2] < b[2] || o[2] > b[5]);
     return {
         'ogl.triangle': (c, v = [0, 3, 6].map((k) => at(c, k))) => (r) =>
@@ -165,7 +166,7 @@ const yuka = async () => {
         'yuka.triangle': (c, v = { a: at(c, 0), b: at(c, 3), c: at(c, 6) }) => (r) =>
             t(set(r).intersectTriangle(v, false, point)),
         'yuka.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsBoundingSphere(v),
-        // From inside as three, which it follows.
+        // yuka follows three, which returns the exit from inside.
         'yuka.box': (s, v = new AABB(at(s, 0), at(s, 3))) => (r) =>
             (v.containsPoint(set(r).origin) ? [0, 0] : t(ray.intersectAABB(v, point))),
     };
@@ -187,7 +188,7 @@ const rapier = async () => {
             { x: middle(b[0], b[3]), y: middle(b[1], b[4]), z: middle(b[2], b[5]) }, true),
         'rapier.triangle': (c, v = [0, 3, 6].map((k) => ({ x: c[k], y: c[k + 1], z: c[k + 2] }))) =>
             cast(new R.Triangle(v[0], v[1], v[2]), { x: 0, y: 0, z: 0 }, false),
-        // A cylinder of rapier lies along y: it is turned by what takes y to the axis.
+        // A cylinder of rapier lies along y, so it is rotated from y to the axis.
         'rapier.cylinder': (c) => {
             const v = [0, 1, 2].map((k) => c[k + 3] - c[k]), height = Math.hypot(...v);
             const [x, z, w] = [v[2], -v[0], height + v[1]], size = Math.hypot(x, z, w);
@@ -254,7 +255,8 @@ for (const [load, name, file, contracts] of offered) {
             const said = words.find((word) => word.startsWith('shape='))?.slice(6);
             const shape = said ?? (form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' :
                 form.includes('triangle') ? 'triangle' : 'box');
-            // Of both roots the near one is cut to the ray: an entry at the origin is passed over with what is behind.
+            // With both roots and an `at_origin`, the near root is clipped to the ray: an entry at the origin counts
+            // like one behind it.
             const clipped = words.includes('roots=both') && words.some((word) => word.startsWith('at_origin'));
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
                 `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`,
@@ -266,7 +268,7 @@ for (const [load, name, file, contracts] of offered) {
         }
     } catch (error) {
         const why = error.message.split('\n')[0];
-        console.error(`npm_intersectors: left out ${name}: ${why}; npm ci --prefix plugins/npm`);
+        console.error(`npm_intersectors: ${name} is left out: ${why}; install it with npm ci --prefix plugins/npm`);
     }
 }
 

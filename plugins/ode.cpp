@@ -1,6 +1,6 @@
 // ODE 0.16.2 in double: dCollide of a ray with a sphere, ode/src/ray.cpp:228. The manual: the contact's "depth" is "the
-// distance from the start of the ray to the contact point"; dGeomRaySet normalises the direction. Debian's library ends
-// the program by an assertion where a normal cannot be normalised: what leads there is counted as a miss.
+// distance from the start of the ray to the contact point". dGeomRaySet normalises the direction. If a normal cannot be
+// normalised, an assertion in Debian's library ends the program. Numbers that would lead there count as a miss.
 #include <algorithm>
 #include <cmath>
 #include <limits>

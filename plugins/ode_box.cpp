@@ -1,5 +1,5 @@
-// ODE 0.16.2 in double: dCollide of a ray with a box, ode/src/ray.cpp:285. To ODE a box is hollow: from inside it tells
-// where the ray leaves. Centre and lengths are rounded before the call. Directions as in ode.cpp.
+// ODE 0.16.2 in double: dCollide of a ray with a box, ode/src/ray.cpp:285. ODE's box is hollow: from inside it returns
+// the exit. Centre and lengths are rounded before the call. Directions are limited as in ode.cpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>

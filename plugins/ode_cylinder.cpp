@@ -1,5 +1,5 @@
 // ODE 0.16.2 in double: dCollide of a ray with a cylinder, ode/src/ray.cpp, dCollideRayCylinder. A cylinder of ODE lies
-// along z and has a rotation and a centre, which are made here. Directions as in ode.cpp.
+// along z and has a rotation and a centre, which are computed here. Directions are limited as in ode.cpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>

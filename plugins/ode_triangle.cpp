@@ -1,6 +1,6 @@
-// ODE 0.16.2, double: dCollide of a ray with a triangle mesh of one, both sides of it. Debian's is built with OPCODE
+// ODE 0.16.2, double: dCollide of a ray with a mesh of one two-sided triangle. Debian's library is built with OPCODE
 // (OPCODE/OPC_RayTriOverlap.h:16), which computes in float whatever dReal is. The contact's "depth" is the distance.
-// What would lead to an assertion of Debian's library is counted as a miss, as in ode.cpp.
+// Numbers that would lead to an assertion in Debian's library count as a miss, as in ode.cpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>

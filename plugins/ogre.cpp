@@ -1,6 +1,6 @@
 // OGRE 1.12.10 in float: Math::intersects of a ray with a sphere (OgreRay.h:97), "tests whether this ray intersects the
 // given sphere"; with a box (OgreMath.cpp:391); and with a box and two distances (:507), which "guarantee 0 <= d1 <=
-// d2". Of the sphere `discardInside` is false, so that from inside the far surface is told.
+// d2". For the sphere, `discardInside` is false, so a ray from inside gets the far surface.
 #include <OgreAxisAlignedBox.h>
 #include <OgreMath.h>
 #include <OgreRay.h>

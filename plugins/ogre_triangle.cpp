@@ -1,5 +1,5 @@
-// OGRE 1.12.10 in float, OgreMath.cpp:595 and :688: Math::intersects of a ray with a triangle, both sides of it,
-// "boolean result and distance", whose normal "doesn't need normalised since we don't care" (OgreMath.h:627).
+// OGRE 1.12.10 in float, OgreMath.cpp:595 and :688: Math::intersects of a ray with a two-sided triangle. It returns
+// "boolean result and distance". The normal "doesn't need normalised since we don't care" (OgreMath.h:627).
 #include <OgreMath.h>
 #include <OgreRay.h>
 #include <lostbits_plugin.hpp>

@@ -1,6 +1,6 @@
 // OpenVDB 10.0.1, math/Ray.h:183 and :233, Ray::intersects of a sphere and of a box. It promises the first and second
-// intersection; t0 and t1 are cut to the ray's time span, so from inside t0 is where the span begins. The span is set
-// to begin before the origin here, so that both roots come out whole; it ends at the largest number.
+// intersection. t0 and t1 are clipped to the ray's time span, so from inside t0 is the start of the span. Here the span
+// goes from the lowest to the largest number, so that neither root is clipped.
 #include <limits>
 
 #include <openvdb/math/BBox.h>

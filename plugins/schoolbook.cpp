@@ -1,5 +1,5 @@
-// The schoolbook formula as anyone would write it, in float and in double: a first plugin, and a check of the door. Its
-// answers are those of sphere.schoolbook to the bit, as long as the compiler contracts nothing.
+// The schoolbook formula in float and in double: a first plugin, and a check of the plugin interface. Its answers equal
+// those of sphere.schoolbook to the bit, as long as the compiler contracts nothing.
 #include <cmath>
 
 #include <lostbits_plugin.hpp>

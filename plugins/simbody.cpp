@@ -1,7 +1,7 @@
-// Simbody 3.7 in double: ContactGeometry::Sphere::intersectsRay (ContactGeometry_Sphere.cpp:84), of a sphere about the
-// origin, and OrientedBoundingBox::intersectsRay (OrientedBoundingBox.cpp:258), which begins at its transform. Both
-// take a UnitVec3; t is "the distance from the ray origin to the intersection point". The centre is taken off, and the
-// size of the box rounded, before the call.
+// Simbody 3.7 in double: ContactGeometry::Sphere::intersectsRay (ContactGeometry_Sphere.cpp:84) for a sphere around the
+// origin, and OrientedBoundingBox::intersectsRay (OrientedBoundingBox.cpp:258) for a box with one corner at its
+// transform. Both take a UnitVec3. t is "the distance from the ray origin to the intersection point". Before the call,
+// the centre is subtracted from the ray's origin, and the size of the box is rounded.
 #include <SimTKmath.h>
 #include <lostbits_plugin.hpp>
 
@@ -9,7 +9,7 @@ using namespace lostbits_plugin;
 using SimTK::Vec3;
 
 SimTK::UnitVec3 unit(const Ray<double>& r) {
-    return SimTK::UnitVec3(Vec3(r.direction[0], r.direction[1], r.direction[2]), true);  // as it is
+    return SimTK::UnitVec3(Vec3(r.direction[0], r.direction[1], r.direction[2]), true);  // is unit
 }
 Answer<double> sphere(const Ray<double>& r, const Sphere<double>& s) {
     static thread_local SimTK::ContactGeometry::Sphere ball(1);

@@ -1,5 +1,5 @@
-// Simbody 3.7 in double: ContactGeometry::Ellipsoid::intersectsRay (ContactGeometry_Ellipsoid.cpp), of an ellipsoid
-// about the origin, with a UnitVec3. The centre is taken off before the call. As in simbody.cpp.
+// Simbody 3.7 in double: ContactGeometry::Ellipsoid::intersectsRay (ContactGeometry_Ellipsoid.cpp) for an ellipsoid
+// around the origin, with a UnitVec3. As in simbody.cpp, the centre is subtracted from the origin before the call.
 #include <SimTKmath.h>
 #include <lostbits_plugin.hpp>
 
@@ -10,7 +10,7 @@ Answer<double> ellipsoid(const Ray<double>& r, const Ellipsoid<double>& e) {
     static thread_local SimTK::ContactGeometry::Ellipsoid solid(Vec3(1));
     solid.setRadii(Vec3(e.radii[0], e.radii[1], e.radii[2]));
     const Vec3 from(r.origin[0] - e.centre[0], r.origin[1] - e.centre[1], r.origin[2] - e.centre[2]);
-    const SimTK::UnitVec3 unit(Vec3(r.direction[0], r.direction[1], r.direction[2]), true);  // as it is
+    const SimTK::UnitVec3 unit(Vec3(r.direction[0], r.direction[1], r.direction[2]), true);  // is unit
     double t = 0;
     SimTK::UnitVec3 normal;
     return solid.intersectsRay(from, unit, t, normal) ? Answer<double>(t) : miss;

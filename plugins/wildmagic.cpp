@@ -1,7 +1,6 @@
-// Wild Magic 5.17: IntrRay3Sphere3::Find (Wm5IntrRay3Sphere3.cpp:60), IntrRay3Box3::Test and Find
-// (Wm5IntrRay3Box3.cpp:37 and :97), for unit directions (Wm5Ray3.h). The ray parameter of the sphere; of the box Find
-// tells points, of which t is read back along the direction. A box is a centre and half its size, rounded before the
-// call.
+// Wild Magic 5.17: IntrRay3Sphere3::Find (Wm5IntrRay3Sphere3.cpp:60) and IntrRay3Box3::Find (Wm5IntrRay3Box3.cpp:97),
+// for unit directions (Wm5Ray3.h). For the sphere, Find returns the ray parameter. For the box it returns points, from
+// which t is computed along the direction. A box is a centre and half its size, both rounded before the call.
 #include <Wm5IntrRay3Box3.h>
 #include <Wm5IntrRay3Sphere3.h>
 #include <lostbits_plugin.hpp>

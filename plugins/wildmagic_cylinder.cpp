@@ -1,7 +1,7 @@
-// Wild Magic 5.17: IntrLine3Cylinder3::Find (Wm5IntrLine3Cylinder3.cpp:83), of a line and a cylinder of finite height
-// (Wm5Cylinder3.h: centre, unit axis, radius, height), for unit directions. It makes a frame of the axis and takes the
-// line into it. Centre, axis and height are rounded before the call. Debian's library ends the program by an assertion
-// where the axis has no length or is not finite: that is counted as a miss.
+// Wild Magic 5.17: IntrLine3Cylinder3::Find (Wm5IntrLine3Cylinder3.cpp:83) for a line and a cylinder of finite height
+// (Wm5Cylinder3.h: centre, unit axis, radius, height), with unit directions. It builds a frame from the axis and
+// transforms the line into it. Centre, axis and height are rounded before the call. If the axis has no length or is not
+// finite, an assertion in Debian's library would end the program; here that counts as a miss.
 #include <Wm5IntrLine3Cylinder3.h>
 #include <lostbits_plugin.hpp>
 

@@ -1,5 +1,5 @@
-// Wild Magic 5.17: IntrRay3Triangle3::Find (Wm5IntrRay3Triangle3.cpp:98), for unit directions (Wm5Ray3.h). "Ray and
-// triangle are parallel, call it a no intersection" is said of |d.n| <= ZERO_TOLERANCE, with n = e1 x e2.
+// Wild Magic 5.17: IntrRay3Triangle3::Find (Wm5IntrRay3Triangle3.cpp:98), for unit directions (Wm5Ray3.h). It treats
+// |d.n| <= ZERO_TOLERANCE, with n = e1 x e2, as "Ray and triangle are parallel, call it a no intersection".
 #include <Wm5IntrRay3Triangle3.h>
 #include <lostbits_plugin.hpp>
 

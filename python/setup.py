@@ -1,8 +1,8 @@
-"""The wheel: the package, liblostbits.so with the libraries that it needs beside it, and the scenes and sweeps.
+"""Makes the wheel: the package, liblostbits.so, the libraries that it needs, and the scenes and sweeps.
 
     ninja -C build lostbits_library && python3 -m build --wheel --no-isolation python -o build/wheel
 
-$LOSTBITS_BUILD names another build folder. Symbols stay in the build folder: the wheel's library is stripped.
+$LOSTBITS_BUILD names another build folder. The wheel's library is stripped; symbols stay in the build folder.
 """
 
 import os
@@ -17,12 +17,12 @@ from wheel.bdist_wheel import bdist_wheel
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("LOSTBITS_BUILD", ROOT / "build"))
-# Every Linux has these, of its own C library; what is not here travels with the wheel.
+# Parts of the C library, which every Linux has. All other libraries are copied into the wheel.
 SYSTEM = ("libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "ld-linux", "linux-vdso", "libresolv.so")
 
 
 def needed(library):
-    """The shared libraries that the loader finds for a library, in files."""
+    """Files of the shared libraries that the loader finds for a library, without those of SYSTEM."""
     listed = subprocess.run(["ldd", library], check=True, capture_output=True, text=True).stdout
     return [Path(path) for name, path in re.findall(r"(\S+) => (\S+)", listed) if not name.startswith(SYSTEM)]
 
@@ -33,7 +33,7 @@ class WithLibrary(build_py):
         package = Path(self.build_lib) / "lostbits"
         library = BUILD / "liblostbits.so"
         if not library.is_file():
-            raise SystemExit(f"{library} is not there; build it first: ninja -C {BUILD} lostbits_library")
+            raise SystemExit(f"{library} does not exist; build it first: ninja -C {BUILD} lostbits_library")
         (package / "lib").mkdir(parents=True, exist_ok=True)
         for each in (library, *needed(library)):
             copy = package / "lib" / each.name
@@ -44,7 +44,7 @@ class WithLibrary(build_py):
 
 
 class ForThisProcessor(bdist_wheel):
-    """Any Python 3 on this processor: nothing in it is compiled against Python."""
+    """A wheel for any Python 3 on this kind of processor, since nothing in it is compiled against Python."""
 
     def finalize_options(self):
         super().finalize_options()

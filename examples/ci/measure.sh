@@ -1,11 +1,11 @@
 #!/bin/bash
-# What the workflows beside this file run: builds the library under test, tries what it promises, checks the claims, and
-# shows how the measured values moved since the baseline that the repository has.
+# The script of the workflows beside this file. It builds the library under test, tests what the library promises,
+# checks the claims, and shows how the measured values moved since the baseline in the repository.
 #
 #     measure.sh LOSTBITS HEADERS     the program, and the folder of lostbits_plugin.hpp
 #
-# Leaves mine.so, junit.xml, moves.md and baseline.json in the folder that it is run in. To take what is measured now as
-# the baseline, commit that baseline.json beside claims.toml.
+# It writes mine.so, junit.xml, moves.md and baseline.json to the current folder. To make the present values the
+# baseline, commit that baseline.json beside claims.toml.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 lostbits=${1:-lostbits} headers=${2:-/usr/include}
@@ -18,6 +18,6 @@ against=()
 "$lostbits" check "$here/claims.toml" --profile libraries --plugin ./mine.so --strict \
     --save baseline.json "${against[@]}" --junit junit.xml ${GITHUB_ACTIONS:+--annotations github} && code=0 || code=$?
 
-# A pull request shows the table under its checks.
+# Shows the table of moves in the summary of the checks of a pull request.
 [[ -n ${GITHUB_STEP_SUMMARY-} && -e moves.md ]] && cat moves.md >>"$GITHUB_STEP_SUMMARY"
 exit "$code"

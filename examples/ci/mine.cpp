@@ -1,4 +1,4 @@
-// The function under test; replace it with yours. See docs/your-own-intersector.md.
+// The function under test. Replace it with yours; see docs/your-own-intersector.md.
 #include <cmath>
 #include <lostbits_plugin.hpp>
 

@@ -1,4 +1,5 @@
-/* A small path tracer: spheres, diffuse bounces, two threads. Every test of a ray against a sphere goes into rays.npy.
+/* A small path tracer with spheres, diffuse bounces and two threads. It writes every test of a ray with a sphere to
+ * rays.npy.
  *
  *     cc -O2 -Iplugins examples/dump/tracer.c -o tracer -lm -lpthread
  *     ./tracer rays.npy && lostbits judge rays.npy --rows -o out */
@@ -11,7 +12,7 @@ enum { width = 48, height = 32, depth = 3 };
 static const float spheres[][4] = {{0, 0, -1000, 999}, {0, 0, 0, 1}, {2.2f, 0.4f, 0, 1}, {-2, -1, 0.2f, 0.9f}};
 static lostbits_dump dump;
 
-/* The sphere under test: the quadratic formula, as it stands in many a renderer. */
+/* The intersector under test: the quadratic formula, as many renderers have it. */
 static float meet(const float* o, const float* d, const float* s, unsigned id) {
     const float f[3] = {o[0] - s[0], o[1] - s[1], o[2] - s[2]};
     const float a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], b = 2 * (f[0] * d[0] + f[1] * d[1] + f[2] * d[2]);

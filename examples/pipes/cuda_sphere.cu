@@ -1,7 +1,7 @@
-// The kernel of sphere.cl as CUDA behind a pipe, on the first card:
+// Runs the kernel of sphere.cl in CUDA behind a pipe, on the first card:
 //   nvcc -std=c++17 -o cuda_sphere examples/pipes/cuda_sphere.cu
 //   lostbits map near-benign --pipe ./cuda_sphere -o out
-// nvcc makes a * b + c one rounding unless it is told -fmad=false. docs/pipe.md says what of this was run.
+// nvcc rounds a * b + c only once, unless -fmad=false is given. docs/pipe.md says which parts of this were run.
 #include <cuda_runtime.h>
 
 #include "batches.hpp"
@@ -13,10 +13,10 @@ void require(cudaError_t status, const char* what) {
     if (status != cudaSuccess) batches::fail(std::string("CUDA cannot ") + what + ": " + cudaGetErrorString(status));
 }
 
-// Memory of the card that goes away again.
+// Memory of the card, which the destructor frees.
 class Memory {
 public:
-    explicit Memory(std::size_t bytes) { require(cudaMalloc(&at_, bytes), "take memory"); }
+    explicit Memory(std::size_t bytes) { require(cudaMalloc(&at_, bytes), "allocate memory"); }
     explicit Memory(const std::vector<float>& numbers) : Memory(numbers.size() * sizeof(float)) {
         require(cudaMemcpy(at_, numbers.data(), numbers.size() * sizeof(float), cudaMemcpyHostToDevice), "send rays");
     }
@@ -51,10 +51,10 @@ int main() {
     int cards = 0;
     const cudaError_t status = cudaGetDeviceCount(&cards);
     if (status != cudaSuccess || cards == 0)
-        batches::refuse("missing", std::string("no CUDA card answers: ") + cudaGetErrorString(status));
+        batches::refuse("missing", std::string("no CUDA card was found: ") + cudaGetErrorString(status));
     cudaDeviceProp card{};
-    require(cudaGetDeviceProperties(&card, 0), "tell of the card");
-    // What computed belongs to the results.
+    require(cudaGetDeviceProperties(&card, 0), "read the properties of the card");
+    // `source` names the hardware and the runtime, since results depend on them.
     batches::serve(
         "name=cuda.sphere\nshape=sphere\nformat=f32\nroots=both\nflags=line,one_thread\nsource=sphere.cl on " +
             std::string(card.name) + ", compute capability " + std::to_string(card.major) + "." +

@@ -1,10 +1,11 @@
-// A function of one ray as a pipe (docs/pipe.md), for node:
+// Serves a function of one ray behind a pipe (docs/pipe.md), in node:
 //   import { serve } from "./lostbits_pipe.mjs";
 //   serve({ name: "mylib.sphere", roots: "first" }, (origin, direction, sphere) => …);
-// It answers t, or [near, far], or true; nothing or false is a miss. Print to standard error alone (console.error).
+// The function returns t, [near, far] or true for a hit; null, undefined or false for a miss. Print only to standard
+// error (console.error).
 import {readSync, writeSync} from "node:fs";
 
-/** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
+/** Reads exactly `bytes` bytes of standard input into a new buffer. Returns undefined if the input has ended. */
 export function read(bytes) {
     const buffer = new ArrayBuffer(bytes), view = new Uint8Array(buffer);
     for (let got = 0; got < bytes;) {
@@ -21,7 +22,7 @@ export function read(bytes) {
     return buffer;
 }
 
-/** All bytes of a Uint8Array, to standard output. */
+/** Writes all bytes of a Uint8Array to standard output. */
 export function write(view) {
     for (let put = 0; put < view.length;) {
         try {
@@ -48,7 +49,8 @@ const solids = {
                      radius: n[6] + n[7] }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
-/** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
+/** Distance from the origin to a point behind the primitive: the distance of its middle plus its diameter or
+    diagonal, or `end` if that is nearer. */
 function reach(origin, solid, end) {
     const low = solid.centre ?? solid.lo ?? solid.base ?? solid.start ?? solid.bottom;
     const high = solid.centre ?? solid.hi ?? solid.top ?? solid.end;
@@ -57,7 +59,7 @@ function reach(origin, solid, end) {
     return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
 }
 
-/** What a function answered, as [near, far] in t: a number counts in lengths, a point lies where it is. */
+/** Converts the answer of a function to [near, far] in t. Numbers are multiplied by `length`; points are not. */
 const answers = {
     t: (a, { length }) => [a, a].flat().slice(0, 2).map((t) => t * length),
     thickness: ([near, thickness], { length }) => [near * length, (near + thickness) * length],
@@ -69,15 +71,16 @@ const answers = {
 };
 
 /**
- * Answers with `mine(origin, direction, solid, end, start)`, where `start` is 0 but for `flags: "range"`, or with
- * `mine(from, to, solid)` where `takes` is "segment" (t and thickness are fractions of its length then). `words` are
- * the header's keys, and `takes` and `answers` ("t", "point", "thickness"). Numbers are doubles.
+ * Answers batches with `mine(origin, direction, primitive, end, start)`, where `start` is 0 without `flags: "range"`.
+ * If `takes` is "segment", calls `mine(from, to, primitive)`, and t and thickness are fractions of the segment's
+ * length. `answers` says what `mine` returns: "t", "point" or "thickness". The other properties are keys of the header.
+ * Numbers are doubles.
  */
 export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     const keys = { shape: "sphere", direction: takes === "segment" ? "unit" : "any", ...words, format: "f64" };
     const { name, ...rest } = keys;
     if (takes === "segment" && ["triangle", "plane"].includes(keys.shape))
-        throw new Error(`a segment ends behind its solid, and behind a ${keys.shape} is no place: take a ray`);
+        throw new Error(`a ${keys.shape} gives a segment no end behind it; use takes: "ray"`);
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];

@@ -1,10 +1,11 @@
-"""A function of one ray as a pipe (docs/pipe.md), for Python:
+"""Serves a function of one ray behind a pipe (docs/pipe.md), in Python:
 
     from lostbits_pipe import serve
     serve(mine, name="mylib.sphere", roots="first")
 
-mine(origin, direction, solid, end), and of flags="range" mine(origin, direction, solid, end, start), answers t, or
-(near, far), or True; None or False is a miss. Print to standard error alone.
+serve calls mine(origin, direction, primitive, end), or with flags="range" mine(origin, direction, primitive, end,
+start). The function returns t, (near, far) or True for a hit, and None or False for a miss. Print only to standard
+error.
 """
 import array
 import math
@@ -38,7 +39,8 @@ def solid_of(shape, n):
 
 
 def reach(origin, solid, end):
-    """Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more."""
+    """Distance from the origin to a point behind the primitive: the distance of its middle plus its diameter or
+    diagonal, or `end` if that is nearer."""
     pairs = (("centre", "centre"), ("lo", "hi"), ("base", "top"), ("start", "end"), ("bottom", "top"))
     low, high = next((getattr(solid, a), getattr(solid, b)) for a, b in pairs if hasattr(solid, a))
     middle = [(a + b) / 2 for a, b in zip(low, high)]
@@ -46,7 +48,7 @@ def reach(origin, solid, end):
 
 
 def roots_of(answer, kind, origin, direction, length):
-    """What a function answered, as (near, far) in t: a number counts in lengths, a point lies where it is."""
+    """Converts the answer of a function to (near, far) in t. Numbers are multiplied by `length`; points are not."""
     if kind == "thickness":
         return answer[0] * length, (answer[0] + answer[1]) * length
     if kind == "point":
@@ -57,11 +59,14 @@ def roots_of(answer, kind, origin, direction, length):
 
 
 def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
-    """Answers with `mine`; where `takes` is "segment", with mine(from, to, solid), whose t and thickness are fractions
-    of its length. `words` are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of
-    Python, which are doubles."""
+    """Answers batches with `mine` until the input ends.
+
+    If `takes` is "segment", calls mine(from, to, primitive), and t and thickness are fractions of the segment's length.
+    `answers` says what `mine` returns: "t", "point" or "thickness". `words` are keys of the header. Numbers are floats
+    of Python, which are doubles. Raises ValueError for a segment with a triangle or a plane.
+    """
     if takes == "segment" and shape in ("triangle", "plane"):
-        raise ValueError(f"a segment ends behind its solid, and behind a {shape} is no place: take a ray")
+        raise ValueError(f"a {shape} gives a segment no end behind it; use takes=\"ray\"")
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
     out = sys.stdout.buffer

@@ -1,7 +1,7 @@
-// A kernel of OpenCL behind a pipe, on the first device that there is:
+// Runs an OpenCL kernel behind a pipe, on the first device:
 //   c++ -O2 -o opencl_sphere examples/pipes/opencl_sphere.cpp -lOpenCL
 //   lostbits map near-benign --pipe './opencl_sphere examples/pipes/sphere.cl' -o out
-// After the file may come a name, opencl.sphere otherwise, and options for the compiler of kernels:
+// After the file, a name may follow (default: opencl.sphere), then options for the compiler of kernels:
 //   --pipe './opencl_sphere examples/pipes/sphere.cl opencl.fast -cl-fast-relaxed-math'
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -22,7 +22,7 @@ cl_device_id first_device() {
         cl_device_id device;
         if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &device, nullptr) == CL_SUCCESS) return device;
     }
-    batches::refuse("missing", "no OpenCL device answers (Debian: pocl-opencl-icd computes on the processor)");
+    batches::refuse("missing", "no OpenCL device was found; install pocl-opencl-icd to use the processor");
 }
 
 std::string told(cl_device_id device, cl_device_info what) {
@@ -35,7 +35,7 @@ void require(cl_int status, const char* what) {
     if (status != CL_SUCCESS) batches::fail(std::string("OpenCL cannot ") + what + ": error " + std::to_string(status));
 }
 
-// The kernel `intersect` of a file.
+// The kernel `intersect` in a file.
 class Kernel {
 public:
     Kernel(const std::string& file, const std::string& options) {
@@ -43,10 +43,10 @@ public:
         cl_int status = CL_SUCCESS;
         context_ = clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status);
         if (status == CL_SUCCESS) queue_ = clCreateCommandQueue(context_, device, 0, &status);
-        if (status != CL_SUCCESS) batches::refuse("missing", "the OpenCL device does not open");
+        if (status != CL_SUCCESS) batches::refuse("missing", "the OpenCL device cannot be opened");
         std::ifstream in(file);
         const std::string text{std::istreambuf_iterator<char>(in), {}};
-        if (text.empty()) batches::refuse("error", file + ": cannot read, or empty");
+        if (text.empty()) batches::refuse("error", file + ": cannot be read, or is empty");
         const char* begin = text.c_str();
         cl_program program = clCreateProgramWithSource(context_, 1, &begin, nullptr, nullptr);
         if (clBuildProgram(program, 1, &device, options.c_str(), nullptr, nullptr) != CL_SUCCESS) {
@@ -57,7 +57,7 @@ public:
         }
         kernel_ = clCreateKernel(program, "intersect", &status);
         if (status != CL_SUCCESS) batches::refuse("error", file + ": has no kernel `intersect`");
-        // What computed belongs to the results.
+        // `source_` names the device and the driver, since results depend on them.
         source_ = file + " [" + options + "] on " + told(device, CL_DEVICE_NAME) + ", " +
                   told(device, CL_DEVICE_VERSION) + ", driver " + told(device, CL_DRIVER_VERSION);
     }

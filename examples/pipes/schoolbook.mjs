@@ -1,10 +1,10 @@
 #!/usr/bin/env node
 // A ray/sphere intersector in JavaScript behind a pipe:
 //   lostbits map near-benign --pipe 'node examples/pipes/schoolbook.mjs' -o out
-// Replace `schoolbook` by your own. Whatever is printed must go to standard error (console.error).
+// Replace `schoolbook` by your own function. Print only to standard error (console.error).
 import { read, write } from "./lostbits_pipe.mjs";
 
-/** The first t >= 0 where the ray meets the sphere, or undefined. Numbers of JavaScript are doubles. */
+/** Returns the first t >= 0 at which the ray hits the sphere, or undefined. Numbers of JavaScript are doubles. */
 function schoolbook(ox, oy, oz, dx, dy, dz, x, y, z, radius) {
     const fx = ox - x, fy = oy - y, fz = oz - z;
     const a = dx * dx + dy * dy + dz * dz;
@@ -24,7 +24,7 @@ write(new TextEncoder().encode(header));
 for (let request = read(20); request; request = read(20)) {
     const [, , n, solids, ends] = new Uint32Array(request);  // magic, form, rays, solids, ends
     const rays = new Float64Array(read(48 * n));
-    if (ends > 0) read(8 * ends);  // nothing to a sphere here
+    if (ends > 0) read(8 * ends);  // ends of the rays, not used here
     const spheres = new Float64Array(read(32 * solids));
     const answer = new ArrayBuffer(8 + 17 * n);
     new Uint8Array(answer).set(new TextEncoder().encode("LBA1"));

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A ray/sphere intersector in Python behind a pipe: lostbits map near-benign --pipe examples/pipes/schoolbook.py -o out
 
-Replace `schoolbook` by your own. With numpy a batch is answered at once, in float32 and float64; without, ray by ray in
-Python's floats, which are doubles. Everything that is printed must go to standard error.
+Replace `schoolbook` by your own function. With numpy a batch is computed at once, in float32 and float64. Without
+numpy, rays are computed one by one in Python's floats, which are doubles. Print only to standard error.
 """
 import array
 import math
@@ -16,7 +16,7 @@ except ImportError:
 
 
 def schoolbook(rays, sphere):
-    """rays: n x 6 (origin, direction); sphere: x, y, z, radius, or n x 4. Returns near, far and hit, n each."""
+    """rays: n x 6 (origin, direction). sphere: x, y, z, radius, or n x 4. Returns near, far and hit, n items each."""
     sphere = numpy.atleast_2d(sphere)
     f, d = rays[:, :3] - sphere[:, :3], rays[:, 3:]
     a, b = (d * d).sum(1), 2 * (f * d).sum(1)
@@ -28,7 +28,7 @@ def schoolbook(rays, sphere):
 
 
 def schoolbook_of_one(ray, sphere):
-    """The same for one ray: (near, far), or None for a miss."""
+    """Does the same for one ray. Returns (near, far), or None for a miss."""
     f, d = [ray[k] - sphere[k] for k in range(3)], ray[3:]
     a, b = sum(x * x for x in d), 2 * sum(x * y for x, y in zip(f, d))
     disc = b * b - 4 * a * (sum(x * x for x in f) - sphere[3] * sphere[3])
@@ -37,7 +37,7 @@ def schoolbook_of_one(ray, sphere):
     return (-b - math.sqrt(disc)) / (2 * a), (-b + math.sqrt(disc)) / (2 * a)
 
 
-# The forms that this program offers, in the order of the header: a name and the type of their numbers.
+# The forms that this program offers, in the order of the header: format, and type code of the numbers.
 FORMS = [("f32", "f"), ("f64", "d")] if numpy else [("f64", "d")]
 
 
@@ -50,7 +50,7 @@ def header():
 
 
 def answer(kind, rays, solids, n):
-    """The bytes of an answer: near and far of every ray, then a byte for each that says whether it hits."""
+    """Returns the bytes of an answer: near and far of every ray, then a byte per ray, 1 for a hit."""
     if numpy:
         kind = numpy.dtype(kind)
         all_rays = numpy.frombuffer(rays, kind).reshape(n, 6)
@@ -75,7 +75,7 @@ def main():
         kind = FORMS[form][1]
         width = struct.calcsize(kind)
         rays = read(6 * n * width)
-        read(ends * width)  # where the rays end: nothing to a sphere here
+        read(ends * width)  # ends of the rays, not used here
         spheres = read(4 * solids * width)
         write.write(struct.pack("<4sI", b"LBA1", 0) + answer(kind, rays, spheres, n))
         write.flush()

@@ -1,5 +1,5 @@
-// A ray/sphere intersector in OpenCL C, which CUDA takes too. It has the operations of sphere.half_b in their order:
-// opencl_sphere.cpp and cuda_sphere.cu run it behind a pipe. Replace `half_b` by your own.
+// A ray/sphere intersector in OpenCL C that also compiles as CUDA. It has the operations of sphere.half_b in the same
+// order. opencl_sphere.cpp and cuda_sphere.cu run it behind a pipe. Replace `half_b` by your own function.
 #ifdef __CUDACC__
 #define FUNCTION __device__
 #define KERNEL extern "C" __global__
@@ -10,12 +10,12 @@
 #define KERNEL __kernel
 #define GLOBAL __global
 #define PLACE ((unsigned int)get_global_id(0))
-#ifdef AS_WRITTEN  // a * b + c rounds twice; CUDA has nvcc -fmad=false for that
+#ifdef AS_WRITTEN  // so that a * b + c rounds twice; with CUDA, use nvcc -fmad=false
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 #endif
 
-// ray: origin and direction; sphere: centre and radius. Writes near and far; false for a miss.
+// ray: origin and direction; sphere: centre and radius. Writes near and far. Returns false for a miss.
 FUNCTION bool half_b(const float* ray, const float* sphere, float* near_far) {
     float x = ray[0] - sphere[0], y = ray[1] - sphere[1], z = ray[2] - sphere[2];
     float a = ray[3] * ray[3] + ray[4] * ray[4] + ray[5] * ray[5];
@@ -29,7 +29,7 @@ FUNCTION bool half_b(const float* ray, const float* sphere, float* near_far) {
     return true;
 }
 
-// stride: numbers from the sphere of one ray to that of the next, 0 where all rays have one.
+// stride: count of numbers from the sphere of one ray to that of the next, or 0 if all rays have the same sphere.
 KERNEL void intersect(GLOBAL const float* rays, GLOBAL const float* spheres, unsigned int stride, unsigned int count,
                       GLOBAL float* near_far, GLOBAL unsigned char* hit) {
     unsigned int i = PLACE;

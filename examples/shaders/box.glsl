@@ -1,4 +1,4 @@
-// A box by its three pairs of planes: where the ray enters the last of them, and where it leaves the first.
+// A box as three pairs of planes. Returns t at the entry into the last pair, and at the exit from the first.
 // lostbits: miss=crossed touching=miss
 
 vec2 slabs(vec3 ro, vec3 rd, vec3 lo, vec3 hi) {

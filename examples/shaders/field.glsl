@@ -1,4 +1,4 @@
-// A field of distances alone: the usual loop around it is written by lostbits. The sphere is the scene's.
+// A distance field only: lostbits writes the usual loop around it. The sphere is that of the scene.
 // lostbits: hit_eps=0.001 max_steps=64 max_dist=20
 
 float map(vec3 p, vec4 sphere) {

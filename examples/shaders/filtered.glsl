@@ -1,5 +1,5 @@
-// filtered_precise.glsl without the word precise: nothing here subtracts what was just added, so that drivers find
-// nothing to rewrite, and its bound would cover another order of its sums.
+// filtered_precise.glsl without `precise`. No operation here subtracts a number that was just added, so drivers find
+// nothing to rewrite. The bound would also cover another order of the sums.
 // lostbits: direction=any roots=first
 float inDoubles(dvec3 f, dvec3 d, double r) {
     double a = d.x * d.x + d.y * d.y + d.z * d.z;

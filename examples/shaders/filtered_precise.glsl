@@ -1,5 +1,5 @@
-// sphere.filtered of the catalogue, its first two steps: in floats with a bound on what rounding can have done, and in
-// doubles where that proves nothing. Its order is kept by `precise`; filtered.glsl is the same text without.
+// The first two steps of sphere.filtered: in floats, with a bound on the rounding errors, and in doubles if that proves
+// nothing. `precise` keeps the order of operations; filtered.glsl is the same text without it.
 // lostbits: direction=any roots=first
 float inDoubles(dvec3 f, dvec3 d, double r) {
     precise double a = d.x * d.x + d.y * d.y + d.z * d.z;

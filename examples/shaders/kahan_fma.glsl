@@ -1,5 +1,5 @@
-// Kahan's discriminant as it is written for an fma that rounds once. Where the driver's fma rounds twice, e is what
-// a product and a sum leave, which is zero: the form is then the plain one. `precise` would not help.
+// Kahan's discriminant, written for an fma that rounds once. If the driver's fma is a product and a sum, each rounded,
+// e is zero and the form equals the plain one. `precise` would not help.
 // lostbits: direction=any roots=first
 float kahanFma(vec3 ro, vec3 rd, vec3 center, float radius) {
     precise vec3 f = ro - center;

@@ -1,5 +1,5 @@
-// kahan_split_precise.glsl without the word precise: one of the sums may then be taken in another order, by which the
-// small parts of the products are lost.
+// kahan_split_precise.glsl without `precise`. A driver may then compute one of the sums in another order and lose the
+// small parts of the products.
 // lostbits: direction=any roots=first
 vec2 product(float a, float b) {
     float p = a * b;

@@ -1,6 +1,6 @@
-// Kahan's discriminant h² - ac without fma: both products with what they round off (Dekker's split of a factor into
-// halves of 12 bits), right to two units in the last place.
-// `precise` asks for that; kahan_split.glsl is the same text without it.
+// Kahan's discriminant h² - ac without fma. Both products keep their rounding errors (Dekker's split of a factor into
+// halves of 12 bits), so the result is correct to two units in the last place.
+// This needs `precise`; kahan_split.glsl is the same text without it.
 // lostbits: direction=any roots=first
 vec2 product(float a, float b) {
     precise float p = a * b;

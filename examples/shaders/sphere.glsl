@@ -1,4 +1,4 @@
-// The analytic sphere of shader libraries: t² + 2bt + c = 0 with a = 1, the nearest root, -1 for a miss.
+// The analytic sphere of shader libraries: t² + 2bt + c = 0 with a = 1. Returns the near root, or -1 for a miss.
 // lostbits: direction=unit roots=near touching=hit
 // lostbits: title="t^2 + 2bt + c = 0 with a = 1, nearest root"
 

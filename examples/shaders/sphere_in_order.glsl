@@ -1,5 +1,5 @@
-// The analytic sphere with its sums written out, so that the driver has no dot product to order: the same bits as
-// sphere.unit_half_b in C++ wherever + - * and sqrt are correctly rounded.
+// The analytic sphere with its sums written out, so that the driver cannot choose the order of a dot product. It gives
+// the same bits as sphere.unit_half_b in C++ if + - * and sqrt are correctly rounded.
 // lostbits: direction=unit roots=near format=both
 
 float sphere(vec3 ro, vec3 rd, vec3 center, float radius) {

@@ -1,4 +1,4 @@
-// The analytic sphere for rays that begin and end, as those of shadows and bounces do: the first root with
+// The analytic sphere for rays that have a range, such as shadow rays and bounces. Returns the first root with
 // tmin <= t <= tmax.
 // lostbits: direction=unit roots=first flags=range format=both
 

@@ -1,4 +1,4 @@
-// Both crossings of a sphere as most pictures on shader sites compute them, vec2(-1) for a miss.
+// Both roots of a sphere, as most pictures on shader sites compute them. Returns vec2(-1) for a miss.
 
 vec2 nearAndFar(vec3 ro, vec3 rd, vec4 ball) {
     vec3 f = ro - ball.xyz;

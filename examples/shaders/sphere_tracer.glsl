@@ -1,4 +1,4 @@
-// Sphere tracing: steps as long as the distance to the surface, until it is below a threshold.
+// Sphere tracing: each step is as long as the distance to the surface, until that is below a threshold.
 // lostbits: direction=unit roots=near inside=zero
 #define HIT_EPS 0.001
 #define MAX_STEPS 64

@@ -1,5 +1,5 @@
-// two_words_precise.glsl without the word precise: sums of sums are then rewritten, the small parts are lost, and
-// what is left are floats.
+// two_words_precise.glsl without `precise`. Drivers then rewrite sums of sums, so the small parts are lost and only
+// the precision of floats is left.
 // lostbits: direction=any roots=first
 vec2 sum(float a, float b) {  // Knuth
     float s = a + b;

@@ -1,5 +1,5 @@
-// The discriminant h² - ac in numbers of two words, hi + lo: about 48 bits of floats alone, for drivers without
-// doubles. All of it rests on the order of operations: `precise` asks for it, two_words.glsl is the same text without.
+// The discriminant h² - ac in numbers of two floats, hi + lo, which have about 48 bits, for drivers without doubles.
+// It depends on the order of operations, which `precise` keeps; two_words.glsl is the same text without it.
 // lostbits: direction=any roots=first
 vec2 sum(float a, float b) {  // Knuth
     precise float s = a + b;

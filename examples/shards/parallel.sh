@@ -1,9 +1,9 @@
 #!/bin/bash
-# Claims in shards with GNU parallel: on this machine, or with --sshlogin on others that see the same folders.
+# Checks claims in shards with GNU parallel, on this machine or with --sshlogin on others that see the same folders.
 #
 #     examples/shards/parallel.sh SHARDS PARTS REPORT [options of `lostbits check`]
 #
-# A shard that fails is tried twice more; the log names each shard's time and exit status.
+# A shard that fails is tried twice more. The log has the time and the exit status of each shard.
 set -euo pipefail
 shards=$1 parts=$2 report=$3
 shift 3

@@ -1,15 +1,15 @@
-"""lostbits: where ray intersectors lose significand bits, which operation loses them, and what a safer form costs.
+"""lostbits shows where ray intersectors lose significand bits, which operation loses them, and what a safer form costs.
 
     import lostbits as lb
 
     @lb.intersector("sphere")
-    def mine(o, d, centre, radius): ...          # whole batches of numpy arrays -> t, nan where it misses
+    def mine(o, d, centre, radius): ...          # whole batches of numpy arrays -> t, nan for a miss
 
     m = lb.map("rtg-fig-7-3-4100-oblique", [mine, "sphere.unified"])
-    m.pixels["mine", "f32"].lost_bits            # an array, height x width
+    m.pixels["mine", "f32"].lost_bits            # an array of shape (height, width)
     lb.explain(mine, "rtg-fig-7-3-4100-oblique", pixel=(100, 90))
 
-Begin with help(lb.map), help(lb.intersector) or docs/python.md.
+Start with help(lb.map), help(lb.intersector) or docs/python.md.
 """
 
 from ._arrays import SHAPES

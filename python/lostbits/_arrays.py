@@ -1,4 +1,4 @@
-"""Arrays of one's own, read where they lie, and the words that say what they mean."""
+"""The caller's arrays, read in place without a copy, and the options that say what they mean."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _contracts = {"direction": {"any": 0, "unit": 1}, "touching": {"hit": 0, "miss":
 
 
 def _shapes() -> dict[str, list[tuple[str, int]]]:
-    """The keys of each shape and how many numbers they have, in the order of lostbits_plugin.h."""
+    """Keys of each shape with their counts of numbers, in the order of lostbits_plugin.h."""
     table, made = tables_of(lib.result_of("lostbits_shapes"))["shapes"], dict[str, list[tuple[str, int]]]()
     for shape, key, numbers in zip(table["shape"], table["key"], table["numbers"]):
         made.setdefault(shape, []).append((key, int(numbers)))
@@ -31,14 +31,14 @@ COUNTS = {shape: sum(count for _, count in keys) for shape, keys in SHAPES.items
 
 
 def word(value: Any, of: dict[str, Any], name: str) -> Any:
-    """What a word stands for, or a sentence about the words there are."""
+    """`of[value]`. Raises an InputError that lists the keys of `of` if `value` is not one of them."""
     if not isinstance(value, str) or value not in of:
-        raise lib.InputError(f"{name} is {value!r}; it is one of {', '.join(of)}")
+        raise lib.InputError(f"{name} is {value!r}; it must be one of {', '.join(of)}")
     return of[value]
 
 
 def contract(**words: str) -> dict[str, int]:
-    """direction, touching, at_origin, inside and facing as C has them."""
+    """Values of direction, touching, at_origin, inside and facing in the C interface."""
     return {name: word(value, _contracts[name], name) for name, value in words.items()}
 
 
@@ -48,41 +48,46 @@ def with_article(value: Any) -> str:
 
 
 def array_of(value: Any, name: str, columns: int, rows: int | None = None, kinds: str = "f") -> tuple[Any, lib.Array]:
-    """An array of one's own, whatever its strides, and how C finds its items. A sentence for what it cannot be."""
+    """The array `value`, with any strides, and its description for C: address, steps in bytes, bits of an item.
+
+    `columns` is 0 for an array of shape (n,). Raises an InputError if the type, byte order or shape is wrong.
+    """
     if value is None:
         return None, lib.Array()
     if not isinstance(value, np.ndarray):
-        raise lib.InputError(f"{name} is {with_article(value)}; write np.array({name}, dtype=np.float32) or float64: "
-                             "the type says which arithmetic is meant")
+        raise lib.InputError(f"{name} is {with_article(value)}, but a numpy array is needed; write "
+                             f"np.array({name}, dtype=np.float32), or float64 (the type says in which format the "
+                             "numbers were computed)")
     if value.dtype.kind not in kinds or value.dtype.itemsize not in (1, 4, 8):
         wanted = "float32 or float64" if kinds == "f" else "booleans"
-        raise lib.InputError(f"{name} is an array of {value.dtype}; it is of {wanted}")
+        raise lib.InputError(f"{name} is an array of {value.dtype}; it must be of {wanted}")
     if not value.dtype.isnative:
-        raise lib.InputError(f"{name} has its bytes in the other order ({value.dtype.str}); write "
+        raise lib.InputError(f"{name} does not have the byte order of this machine ({value.dtype.str}); write "
                              f"{name}.astype({name}.dtype.newbyteorder('='))")
     if columns and value.ndim == 1 and rows is None and len(value) == columns:
         value = value[None]
     if value.ndim != (2 if columns else 1) or columns and value.shape[1] != columns:
-        raise lib.InputError(f"{name} has shape {value.shape}; it is {f'n x {columns}' if columns else 'n'}")
+        raise lib.InputError(f"{name} has shape {value.shape}; it must be "
+                             f"{f'(n, {columns})' if columns else '(n,)'}")
     if rows is not None and len(value) != rows:
-        raise lib.InputError(f"{name} has {len(value)} rows and o has {rows}; there is one a ray")
+        raise lib.InputError(f"{name} has {len(value)} rows and o has {rows}; give one row per ray")
     return value, lib.Array(value.ctypes.data, value.strides[0], value.strides[1] if columns else 0,
                             8 * value.dtype.itemsize)
 
 
 class Rays:
-    """Arrays as lostbits_rays; it keeps them alive. `values`: what the numbers of `by` stand for."""
+    """The caller's arrays as a lostbits_rays, which keeps them alive. `values[k]` is the item of `by` with code k."""
 
     def __init__(self, o: Any, d: Any, solids: Any, shape: str, paired: bool = False, *, t: Any = None, hit: Any = None,
                  tmin: Any = None, tmax: Any = None, by: Any = None, matrix: Any = None, open_ends: str = "none",
                  format: str | None = None, **words: str) -> None:
         if o is None or d is None:
-            raise lib.InputError("o and d are the origins and directions of rays, n x 3; give both")
+            raise lib.InputError("o or d is None; give both, the origins and the directions of the rays, each n x 3")
         o, origin = array_of(o, "o", 3)
         n = self.count = len(o)
         d, along = array_of(d, "d", 3, n)
         if n == 0:
-            raise lib.InputError("o is empty: there are no rays to ask about")
+            raise lib.InputError("o is empty; give at least one ray")
         self.kept = [o, d]
         meant = contract(**words)
         raw = self.raw = lib.Rays(count=n, origin=origin, direction=along, 
@@ -94,7 +99,7 @@ class Rays:
             count = word(shape, COUNTS, "shape")
             solids, raw.solids = array_of(solids, "solids", count, n if paired else None)
             if solids is None:
-                raise lib.InputError(f"solids is None; give an array of {count} numbers a {shape}, or a scene")
+                raise lib.InputError(f"solids is None; give an array with {count} numbers per {shape}, or a scene")
             raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(bool(paired))
             self.kept.append(solids)
         if isinstance(matrix, np.ndarray) and matrix.ndim == 3 and matrix.shape[1:] in ((3, 4), (4, 4)):
@@ -103,11 +108,11 @@ class Rays:
         if by is not None:
             by = np.asarray(by)
             if by.shape != (n,):
-                raise lib.InputError(f"by has shape {by.shape} and there are {n} rays; it has one item a ray")
+                raise lib.InputError(f"by has shape {by.shape} but there are {n} rays; give one item per ray")
             try:
                 self.values, codes = np.unique(by, return_inverse=True)
             except TypeError:
-                raise lib.InputError("by has items without an order; give numbers, or texts") from None
+                raise lib.InputError("the items of by cannot be sorted; give numbers or strings") from None
             codes = codes.astype(np.float64)
         for field, value, kinds, columns in (
                 ("t", t, "f", 0), ("hit", hit, "b", 0), ("tmin", tmin, "f", 0), ("tmax", tmax, "f", 0),

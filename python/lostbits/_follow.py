@@ -1,4 +1,4 @@
-"""One run of a function of numpy on arrays that write down what is done to them."""
+"""Runs a numpy function once on arrays that record each operation done to them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ def _put_back() -> None:
 
 
 def _unlock() -> None:
-    """In a process that was forked while another thread followed: that thread is not here, and what it put is."""
+    """Restores numpy in a process that was forked while another thread followed a function.
+
+    That thread does not exist in the child, but the functions that it put into numpy do.
+    """
     global _lock
     if _lock.locked():
         _put_back()
@@ -33,7 +36,7 @@ os.register_at_fork(after_in_child=_unlock)
 
 
 class _Creating:
-    """While it lives, this thread's np.full, np.zeros, np.ones and np.empty make arrays that can be followed."""
+    """Makes np.full, np.zeros, np.ones and np.empty return arrays that can be followed, for calls of this thread."""
 
     def __enter__(self) -> None:
         _lock.acquire()
@@ -55,7 +58,7 @@ class _Creating:
 
 
 class _Names:
-    """Gives operations the names that the function's variables have."""
+    """Labels operations with the names of the function's variables."""
 
     def __init__(self, written: Tape, file: str) -> None:
         self.written, self.file = written, file
@@ -77,8 +80,11 @@ class _Names:
 
 def follow(function: Callable[..., Any], counts: Sequence[int], dtype: Any, roots: str,
            implicit: bool) -> tuple[Tape, int, int]:
-    """The list of what `function(o, d, *keys)` does to one ray, the place of its decision and that of its t. `counts`:
-    how many numbers each key has."""
+    """Records what `function(o, d, *keys)` does to one ray.
+
+    Returns the tape, the index of the decision (hit or miss) and the index of t. `counts`: the number of values of
+    each key. Raises Unfollowed if something cannot be followed.
+    """
     written = Tape(dtype, implicit)
     before, tracer = getattr(here, "tape", None), sys.gettrace()
     here.tape = written
@@ -97,10 +103,11 @@ def follow(function: Callable[..., Any], counts: Sequence[int], dtype: Any, root
             finally:
                 sys.settrace(tracer)
         if isinstance(answer, tuple):
-            raise Unfollowed(f"{function.__name__} returns several arrays; what returns t alone is followed")
+            raise Unfollowed(f"{function.__name__} returns several arrays and cannot be followed; return t alone")
         answer = traced(answer, dtype)
         if answer.shape != (1,):
-            raise Unfollowed(f"{function.__name__} returns an array of shape {answer.shape} for one ray")
+            raise Unfollowed(f"{function.__name__} returns an array of shape {answer.shape} for one ray; it must have "
+                             "shape (1,)")
         t, valid = int(answer.nodes[0]), int(answer.valid[0])
         zero = written.add("constant", value=0.0)
         if roots == "near":

@@ -1,4 +1,4 @@
-"""Intersectors of one's own: a numpy function over whole batches of rays as a form among those of lostbits."""
+"""Intersectors of the user: makes a numpy function over whole batches of rays a form beside those of lostbits."""
 
 from __future__ import annotations
 
@@ -26,8 +26,10 @@ Sample = Callable[[str, Any], tuple[Floats, Floats, Floats]]
 
 
 class _Failures:
-    """What one's function raised, by the mark that the library's sentence about it carries: of calls that run at once,
-    each raises its own. When no call runs, what nobody asked for is forgotten."""
+    """Exceptions of the user's function, each under a mark that the library's error message repeats.
+
+    The mark lets each of several concurrent calls raise its own exception. When no call runs, the rest is dropped.
+    """
 
     _marks = itertools.count(1)
 
@@ -37,10 +39,10 @@ class _Failures:
         self.calls = 0
 
     def add(self, error: BaseException) -> int:
-        """Where the sentence lies that the library is given."""
+        """Stores an exception. Returns the address of the message that the library is given."""
         try:
             words = f"{type(error).__name__}: {error}"
-        except Exception:  # of its own __str__
+        except Exception:  # raised by its own __str__
             words = type(error).__name__
         with self.lock:
             mark = next(self._marks)
@@ -65,14 +67,15 @@ class _Failures:
 
 
 class Intersector:
-    """A numpy function as a form, `py.NAME`; it can still be called as the function that it is."""
+    """A numpy function as the form `py.NAME`. It can still be called as a plain function."""
 
     def __init__(self, function: Callable[..., Any], shape: str, roots: str = "first", name: str | None = None,
                  **words: str) -> None:
         self.keys = word(shape, SHAPES, "shape")
         self.counts = [count for _, count in self.keys]
         if not callable(function):
-            raise lib.InputError("intersector: is given to a function, as in @lb.intersector(\"sphere\")")
+            raise lib.InputError("intersector: what it decorates is not a function; write @lb.intersector(\"sphere\") "
+                                 "above a function")
         self.function, self.shape, self.roots = function, shape, roots
         self.name = "py." + str(name or getattr(function, "__name__", "form"))
         wanted = 2 + len(self.keys)
@@ -95,13 +98,13 @@ class Intersector:
         _all.add(self)
 
     def _made(self) -> lib.Handle:
-        """The form without operations."""
+        """Makes the form without its operations."""
         handle = lib.Handle("form")
         lib.call("lostbits_form_make", self._words, c.c_size_t(2), c.byref(handle.pointer))
         return handle
 
     def unlock(self) -> None:
-        """Begins without calls: of a process that is forked, no other thread is here."""
+        """Starts without running calls, as after a fork, which keeps no other thread."""
         self._writing, self.failures = threading.Lock(), _Failures()
 
     def __call__(self, *arguments: Any) -> Any:
@@ -110,7 +113,7 @@ class Intersector:
     def __repr__(self) -> str:
         return f"<lostbits intersector {self.name} of a {self.shape}>"
 
-    # ---- asked by the library ----
+    # ---- called by the library ----
 
     def _answering(self, dtype: np.dtype[Any]) -> Callable[[int], int | None]:
         def view(address: int, n: int, columns: int, of: np.dtype[Any] = dtype) -> NDArray[Any]:
@@ -121,7 +124,7 @@ class Intersector:
             b = lib.Batch.from_address(address)
             n = int(b.size)
             try:
-                # Copies: the function may keep them or change them, and the library's memory is neither.
+                # Copies, since the function may keep or change its arrays. The library's memory allows neither.
                 rays = view(b.rays, n, 6).copy()
                 solids = view(b.solids, n if b.solid_stride else 1, sum(self.counts)).copy()
                 parts = np.split(np.broadcast_to(solids, (n, solids.shape[1])), np.cumsum(self.counts)[:-1], axis=1)
@@ -130,7 +133,7 @@ class Intersector:
                     answer = self.function(rays[:, :3], rays[:, 3:], *keys)
                 self._put(answer, n, dtype, view(b.near_far, n, 2), view(b.hit, n, 1, np.dtype(np.uint8))[:, 0])
                 return None
-            except BaseException as error:  # what it raises is raised again where the call was made
+            except BaseException as error:  # raised again by the call that asked the library
                 return self.failures.add(error)
 
         return run
@@ -142,32 +145,36 @@ class Intersector:
         if self.roots != "both":
             answer = (answer, answer)
         elif not isinstance(answer, tuple) or len(answer) != 2:
-            raise lib.InputError(f"{self.name}: roots=\"both\" returns two arrays, near and far")
+            raise lib.InputError(f"{self.name}: with roots=\"both\", return a tuple of two arrays, (near, far)")
         near_far[:, 0], near_far[:, 1] = (self._checked(each, (n,), dtype) for each in answer)
         hit[:] = ~np.isnan(near_far[:, 0])
 
     def _checked(self, array: Any, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-        """What the function returned, held to what it must be."""
+        """The array that the function returned. Raises an InputError if it has another kind, shape or type."""
         if not isinstance(array, np.ndarray):
-            raise lib.InputError(f"{self.name} returned {type(array).__name__}; return a numpy array, one item a ray: "
-                                 "the function is given whole batches")
+            raise lib.InputError(f"{self.name} returned {type(array).__name__}; the function gets whole batches of "
+                                 "rays, so return a numpy array with one item per ray")
         if array.shape != shape:
-            raise lib.InputError(f"{self.name} returned an array of shape {array.shape}; it is {shape}, one item a ray")
+            raise lib.InputError(f"{self.name} returned an array of shape {array.shape}; it must have shape {shape}, "
+                                 "one item per ray")
         if array.dtype != dtype:
-            raise lib.InputError(f"{self.name} returned {array.dtype} where the rays are {dtype}: something in it "
-                                 "computes in another type, so that it is not the arithmetic that is measured; give "
-                                 "arrays of constants the type of the rays")
+            raise lib.InputError(f"{self.name} returned {array.dtype} where the rays are {dtype}: something in the "
+                                 "function computes in another type, so the wrong arithmetic would be measured; give "
+                                 "arrays of constants the type of the rays (dtype=o.dtype)")
         return array
 
     # ---- its operations ----
 
     def write(self, sample: Sample) -> None:
-        """Follows the function and says its operations to the library. `sample(shape, dtype)` gives rays (o, d,
-        solids) on which the operations must give the function's own bits. Unfollowed, saying where, if they do not."""
+        """Follows the function and gives its operations to the library.
+
+        `sample(shape, dtype)` returns rays (o, d, solids). On these the operations must give the same bits as the
+        function; otherwise Unfollowed is raised, with the reason.
+        """
         with self._writing:
             if self.tapes:
                 return
-            # A handle of its own: calls of other threads may be reading the one that there is.
+            # A new handle, since calls of other threads may be reading the current one.
             handle, tapes = self._made(), dict[str, Tape]()
             for format in _formats:
                 tapes[format] = self._followed(handle, format, sample)
@@ -183,7 +190,7 @@ class Intersector:
             if wrong is None:
                 return written
             first = first or wrong
-        where = [f"{line}: `if` on any() or all() asks all rays at once; " for line in written.branches[:1]]
+        where = [f"{line}: `if` on any() or all() decides for all rays at once; " for line in written.branches[:1]]
         raise Unfollowed("".join(where) + f"{self.name}: {first}")
 
     def _say(self, handle: lib.Handle, bits: int, written: Tape, hit: int, t: int) -> None:
@@ -194,14 +201,14 @@ class Intersector:
                  c.c_int32(t))
 
     def _differs(self, handle: lib.Handle, format: str, o: Floats, d: Floats, solids: Floats) -> str | None:
-        """A sentence about the first ray on which the operations do not give what the function gives."""
+        """A message about the first ray on which the operations and the function differ, or None."""
         rays = Rays(o, d, solids, self.shape, True)
         own, said = (Asked(self, format, written=written).answers(rays, handles=[handle]) for written in (False, True))
         i = int(np.argmax((own.hit != said.hit) | ((own.t != said.t) & own.hit)))
         if own.hit[i] == said.hit[i] and (own.t[i] == said.t[i] or not own.hit[i]):
             return None
-        return (f"in {format} it gives t = {own.t[i]!r} (hit: {bool(own.hit[i])}) on a ray, and the operations that "
-                f"were followed give {said.t[i]!r} (hit: {bool(said.hit[i])}); something in it was not followed")
+        return (f"in {format} the function gives t = {own.t[i]!r} (hit: {bool(own.hit[i])}) on a ray, but the recorded "
+                f"operations give {said.t[i]!r} (hit: {bool(said.hit[i])}); some operation was not recorded")
 
 
 _all: weakref.WeakSet[Intersector] = weakref.WeakSet()
@@ -218,21 +225,28 @@ os.register_at_fork(after_in_child=_unlock_all)
 def intersector(shape: str, roots: str = "first", direction: str = "any", touching: str = "hit",
                 at_origin: str = "hit", inside: str = "usual", facing: str = "both",
                 name: str | None = None) -> Callable[[Callable[..., Any]], Intersector]:
-    """Makes a numpy function a form that lostbits measures.
+    """Decorator that makes a numpy function a form, which lostbits can measure. The form is called `py.NAME`.
 
-    The function is given whole batches: `o` and `d`, n x 3 (origins and directions, as the scene has them, or of length
-    one with direction="unit"), and then an array for each key of the shape, n x 3 or n: sphere centre, radius; box lo,
-    hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; lb.SHAPES lists all. They are of the type
-    that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where it
-    misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near,
-    far); "none": booleans. touching, at_origin, inside and facing say what is right in the cases that geometry leaves
-    open, as in docs/your-own-intersector.md.
+    The function gets whole batches of n rays and returns t:
+
+    - `o` and `d`, n x 3: origins and directions. Directions are as in the scene, or of length 1 with direction="unit".
+    - One array for each key of `shape`, n x 3 or n: sphere centre, radius; box lo, hi; triangle a, b, c; ellipsoid
+      centre, radii; cylinder base, top, radius. lb.SHAPES lists the keys of all shapes.
+    - It returns t, n items, in lengths of d, with nan for a miss.
+
+    All arrays have the type that is measured, float32 or float64. t must have the same type.
+
+    `roots` says what is returned: "first", the first t >= 0; "near", the smaller root, where t < 0 is a miss; "both", a
+    tuple (near, far); "none", n booleans (hit or not). `touching`, `at_origin`, `inside` and `facing` say what counts
+    as right in the cases that geometry leaves open, as in docs/your-own-intersector.md.
+
+    Raises InputError for an unknown shape or option, and if the function does not take these arrays.
 
     >>> @lb.intersector("sphere", roots="near")
     ... def mine(o, d, centre, radius): ...
     """
     if callable(shape):
-        raise lib.InputError("intersector: write the shape, as in @lb.intersector(\"sphere\")")
+        raise lib.InputError("intersector: the shape is missing; write it, as in @lb.intersector(\"sphere\")")
     return lambda function: Intersector(function, shape, roots, name, direction=direction, touching=touching,
                                         at_origin=at_origin, inside=inside, facing=facing)
 
@@ -243,7 +257,7 @@ Texts = Union[str, Sequence[str]]
 
 
 class Asked:
-    """Forms, formats and metrics as lostbits_choice, which it keeps alive; and the calls that take one."""
+    """Forms, formats and metrics as a lostbits_choice, which it keeps alive, with the calls that take one."""
 
     def __init__(self, forms: Forms, formats: Texts, metrics: Texts = (), rows: bool = False,
                  written: bool = False) -> None:
@@ -251,8 +265,8 @@ class Asked:
         listed: list[Any] = [] if forms is None else [forms] if single else lib.texts(forms, "forms")
         for form in listed:
             if callable(form) and not isinstance(form, Intersector):
-                raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a function; say what it meets first: "
-                                     "@lb.intersector(\"sphere\")")
+                raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a plain function; say which shape it "
+                                     "intersects with a decorator, as in @lb.intersector(\"sphere\")")
             if not isinstance(form, (str, Intersector)):
                 raise lib.InputError(f"a form is a name such as \"sphere.unified\" or an intersector, not "
                                      f"{type(form).__name__}")
@@ -265,7 +279,7 @@ class Asked:
         self._kept = words
 
     def write_for(self, sample: Sample, always: bool = False) -> None:
-        """The operations of one's own forms, where something is asked that needs them."""
+        """Follows the user's forms if a format or a metric needs their operations."""
         plain = all(format in _formats for format in self.formats)
         if always or not plain or any(not m.startswith(("tolerance:", "enough_bits:")) for m in self.metrics):
             for form in self.own:
@@ -273,9 +287,10 @@ class Asked:
 
     def call(self, name: str, *arguments: Any, quick: bool = False, handles: Sequence[lib.Handle] | None = None,
              **how: Any) -> tuple[int, lib.Handle]:
-        """A call that takes this choice behind its own arguments; what a function of the user's raised is raised.
+        """Makes a call that takes this choice after its own arguments. Raises what a function of the user raised.
 
-        `handles`: of one's own forms, where they are not those that the forms have now."""
+        `handles`: handles of the user's forms to use instead of their current ones.
+        """
         held = [form.handle for form in self.own] if handles is None else handles
         pointers = (c.c_void_p * len(held))(*[handle.pointer for handle in held])
         self.raw.own = c.cast(pointers, c.c_void_p)

@@ -1,4 +1,4 @@
-"""liblostbits.so through ctypes: its structs, its calls, and what is raised where one fails."""
+"""Interface to liblostbits.so through ctypes: its structs, its calls, and the exceptions of failed calls."""
 
 from __future__ import annotations
 
@@ -19,69 +19,71 @@ ABI = 7
 
 
 class Error(Exception):
-    """What lostbits says is wrong: what, why, and what to try. `code` is the exit code of the program."""
+    """An error of lostbits. Its text says what is wrong, why, and what to try. `code`: the program's exit code for it.
+    """
 
     code = 70
 
 
 class InputError(Error, ValueError):
-    """An argument, or a file, that does not say what it should."""
+    """An argument or a file is not valid. Exit code 2."""
 
     code = 2
 
 
 class EnvironmentFault(Error, OSError):
-    """The machine: memory, a file, a library that cannot be loaded."""
+    """The machine is at fault: no memory, a file that cannot be read or written, a missing library. Exit code 3."""
 
     code = 3
 
 
 class NothingSelected(Error, LookupError):
-    """A pattern that selects nothing."""
+    """A pattern selects nothing. Exit code 4."""
 
     code = 4
 
 
 def in_utf8(value: Any, name: str) -> bytes:
-    """A text as C has it, which ends at a zero byte."""
+    """A string in UTF-8 for C, where a zero byte ends it. Raises an InputError if it has none or holds a zero byte."""
     if not isinstance(value, str):
-        raise InputError(f"{name} is {value!r}; it is a text")
+        raise InputError(f"{name} is {value!r}; it must be a string")
     if "\0" in value:
-        raise InputError(f"{name} is {value!r}; a text has no zero byte")
+        raise InputError(f"{name} is {value!r}; remove the zero byte, which ends a string in C")
     try:
         return value.encode()
     except UnicodeEncodeError:
-        raise InputError(f"{name} is {value!r}; half of a character has no bytes in UTF-8") from None
+        raise InputError(f"{name} is {value!r}; it cannot be written in UTF-8, since it contains half of a surrogate "
+                         "pair") from None
 
 
 def whole(value: Any, name: str, least: int = -2**31, most: int = 2**31 - 1) -> int:
-    """A whole number that C's int holds: ctypes keeps the lowest 32 bits of any."""
+    """A whole number within C's int. Without the check, ctypes would silently keep the lowest 32 bits."""
     try:
         number = operator.index(value)
     except TypeError:
-        raise InputError(f"{name} is {value!r}; it is a whole number") from None
+        raise InputError(f"{name} is {value!r}; it must be a whole number") from None
     if not least <= number <= most:
-        raise InputError(f"{name} is {number}; it is from {least} to {most}")
+        raise InputError(f"{name} is {number}; it must be from {least} to {most}")
     return number
 
 
 def number(value: Any, name: str) -> float:
     try:
-        return math.fsum([value])  # unlike float(), of no text
+        return math.fsum([value])  # unlike float(), refuses a string
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} is {value!r}; it is a number, as a double holds it") from None
+        raise InputError(f"{name} is {value!r}; it must be a number that fits into a double") from None
 
 
 def texts(value: Any, name: str) -> list[str]:
-    """One text, or several."""
+    """One string or several, as a list."""
     try:
         return [value] if isinstance(value, str) else list(value)
     except TypeError:
-        raise InputError(f"{name} is {value!r}; it is a text or a list of texts") from None
+        raise InputError(f"{name} is {value!r}; it must be a string or a list of strings") from None
 
 
 class Words(c.Structure):
-    """A list of texts as C has it; it keeps them alive."""
+    """A list of strings for C, which keeps them alive."""
 
     _fields_ = [("words", c.c_void_p), ("count", c.c_size_t)]
 
@@ -101,7 +103,11 @@ Progress = c.CFUNCTYPE(None, c.c_void_p, c.c_uint64, c.c_uint64)
 
 
 def _struct(name: str, fields: str, **others: Any) -> Any:
-    """A struct of lostbits.h or lostbits_plugin.h, field by field: `kind name, name; kind name`, `name` of `others`."""
+    """A struct of lostbits.h or lostbits_plugin.h.
+
+    `fields` lists its fields in order, as in `kind name, name; kind name`. A part that is only a name takes its kind
+    from `others`.
+    """
     listed = []
     for part in fields.split("; "):
         kind, _, names = part.partition(" ")
@@ -128,18 +134,21 @@ _here = Path(__file__).resolve().parent
 
 
 def _find_library() -> str:
-    """$LOSTBITS_LIBRARY, the package's own, that of the tree that the package lies in, then the system's."""
+    """Looks in $LOSTBITS_LIBRARY, in the package, in build/ of the source tree around it, then on the system."""
     places = [os.environ.get("LOSTBITS_LIBRARY", ""), str(_here / "lib" / "liblostbits.so"),
               str(_here.parent.parent / "build" / "liblostbits.so")]
     found = next((p for p in places if p and os.path.isfile(p)), None) or ctypes.util.find_library("lostbits")
     if not found:
-        raise EnvironmentFault("liblostbits.so is not in the package, in build/ or on the system; build it "
-                               "(ninja -C build lostbits_library) or name it in $LOSTBITS_LIBRARY")
+        raise EnvironmentFault("liblostbits.so was not found in the package, in build/ or on the system; build it "
+                               "(ninja -C build lostbits_library) or set LOSTBITS_LIBRARY to its path")
     return found
 
 
 def data_folder(given: str | None = None) -> bytes | None:
-    """The folder with scenes/ and sweeps/: as given, $LOSTBITS_DATA, the package's, the tree's; None leaves it to C."""
+    """The folder that has scenes/ and sweeps/.
+
+    In this order: as given, $LOSTBITS_DATA, in the package, in the source tree. None lets the library look for it.
+    """
     places = (os.environ.get("LOSTBITS_DATA", ""), str(_here / "data"), str(_here.parent.parent / "data"))
     if given is not None:
         return in_utf8(os.fspath(given) if isinstance(given, os.PathLike) else given, "data") or None
@@ -154,8 +163,8 @@ def _load() -> c.CDLL:
     except OSError as error:
         raise EnvironmentFault(f"{path}: cannot be loaded: {error}") from None
     if loaded.lostbits_abi() != ABI:
-        raise EnvironmentFault(f"{path}: is of version {loaded.lostbits_abi()} of lostbits.h and this package of "
-                               f"{ABI}; install the two that belong together")
+        raise EnvironmentFault(f"{path}: has version {loaded.lostbits_abi()} of the interface lostbits.h, but this "
+                               f"package needs version {ABI}; install a library and a package of the same release")
     loaded.lostbits_version.restype = loaded.lostbits_result_text.restype = c.c_char_p
     for kind in ("scene", "form", "result"):
         getattr(loaded, f"lostbits_{kind}_free").argtypes = [c.c_void_p]
@@ -166,7 +175,7 @@ library = _load()
 
 
 class Handle:
-    """A handle of the library, given back when nobody holds it any more."""
+    """A handle of the library. It is freed when nothing refers to it any more."""
 
     def __init__(self, kind: str) -> None:
         self.pointer = c.c_void_p()
@@ -177,7 +186,7 @@ class Handle:
 
 
 def raise_for(code: int, error: Any) -> int:
-    """Raises what a code stands for; 0 and 1 are returned."""
+    """Raises the exception for an exit code. Returns 0 and 1."""
     if code == 130:
         raise KeyboardInterrupt
     if code not in (0, 1):
@@ -187,7 +196,7 @@ def raise_for(code: int, error: Any) -> int:
 
 
 class _Job:
-    """A call on its way. It keeps what the library reads and writes until the call is over."""
+    """A running call. It keeps alive what the library reads and writes until the call is over."""
 
     def __init__(self, function: Any, arguments: tuple[Any, ...], stop: Any) -> None:
         self.function, self.arguments, self.stop = function, arguments, stop
@@ -197,18 +206,20 @@ class _Job:
     def run(self) -> None:
         try:
             self.code = self.function(*self.arguments)
-        except BaseException as error:  # of ctypes, about an argument
+        except BaseException as error:  # raised by ctypes about an argument
             self.failed: BaseException | None = error
         else:
             self.failed = None
 
 
 class _Workers:
-    """The threads that calls run in. They stay: one that is new to the library's scheduler, and goes, costs 4 ms.
+    """Threads that calls run in. They are kept, since a thread that joins the library's scheduler and ends costs 4 ms.
 
-    At the end of the interpreter, calls that daemon threads wait for are stopped. A process that is forked has none of
-    the threads: they end before, with the library's, and begin anew on both sides. Where they cannot, since a call
-    runs, the child refuses calls, which would wait for ever for locks that nobody gives back.
+    At the end of the interpreter, calls that daemon threads wait for are stopped.
+
+    A forked child has none of the threads. So they end before a fork, together with the library's own threads, and new
+    ones start on both sides. They cannot end while a call runs. Then the child refuses all calls, because they would
+    wait for ever for locks that nobody releases.
     """
 
     def __init__(self) -> None:
@@ -223,9 +234,9 @@ class _Workers:
             if self.is_ending:
                 raise SystemExit
             if self.are_lost:
-                raise EnvironmentFault("this process was forked while a call of lostbits, or other work of its library "
-                                       "of threads, ran: what that locked stays locked; fork between calls, or start "
-                                       "processes with multiprocessing.get_context(\"spawn\")")
+                raise EnvironmentFault("this process was forked while a call of lostbits, or other work in TBB's "
+                                       "threads, was running, so locks of that work stay locked here; fork between "
+                                       "calls, or start processes with multiprocessing.get_context(\"spawn\")")
             self.running.add(job)
             jobs = self.idle.pop()[1] if self.idle else self._new()
         jobs.put(job)
@@ -246,7 +257,7 @@ class _Workers:
             del job
 
     def end(self) -> None:
-        """Ends the calls that run; nobody can use what they find."""
+        """Stops the running calls, whose results nobody can use any more."""
         with self.lock:
             self.is_ending = True
             running = list(self.running)
@@ -254,7 +265,7 @@ class _Workers:
             if job.stop is not None:
                 job.stop.value = 1
         for job in running:
-            job.over.wait(10)  # one whose function waits for ever is left to the system
+            job.over.wait(10)  # seconds; a call whose function waits for ever is left to the system
 
     def before_fork(self) -> None:
         self.lock.acquire()
@@ -265,8 +276,8 @@ class _Workers:
             jobs.put(None)
         for thread, _ in self.idle:
             thread.join()
-        # join() returns when Python is done with a thread. The thread gives its share of the scheduler back a little
-        # later, when the system ends it: on a busy machine one fork in some hundreds came in between.
+        # join() returns when Python is done with a thread. The thread leaves the library's scheduler a little later,
+        # when the system ends it. On a busy machine, one fork in some hundreds happened in between.
         give_up = time.monotonic() + (5 if self.idle else 0)
         self.idle.clear()
         while library.lostbits_end_threads(None) != 0:
@@ -290,13 +301,13 @@ os.register_at_fork(before=_workers.before_fork, after_in_parent=_workers.after_
 
 
 def _run(function: Any, arguments: tuple[Any, ...], error: Any, stop: Any = None) -> int:
-    """A call in a worker: its code, 0 or 1, once it is over. Ctrl-C stops it, and is raised then."""
+    """Makes a call in a worker. Returns its code, 0 or 1. Ctrl-C stops the call and is raised when it is over."""
     job = _workers.start(function, (*arguments, c.byref(error)), stop)
     interrupted: BaseException | None = None
     while not job.over.is_set():
         try:
             job.over.wait(0.05)
-        except BaseException as asked:  # a second one too: what the call reads lies here until it is over
+        except BaseException as asked:  # a second Ctrl-C too: the call reads memory kept here until it is over
             interrupted = asked
             if stop is not None:
                 stop.value = 1
@@ -310,21 +321,21 @@ def _run(function: Any, arguments: tuple[Any, ...], error: Any, stop: Any = None
 
 
 def call(name: str, *arguments: Any) -> int:
-    """A call that takes no time: its code, 0 or 1. Raises what the other codes stand for."""
+    """Makes a short call. Returns its code, 0 or 1, and raises the exception for any other."""
     return _run(getattr(library, name), arguments, ErrorText())
 
 
 def result_of(name: str, *arguments: Any) -> Handle:
-    """The result of such a call."""
+    """Makes a short call and returns its result."""
     result = Handle("result")
     call(name, *arguments, c.byref(result.pointer))
     return result
 
 
 def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False) -> tuple[int, Handle]:
-    """A call that measures: Ctrl-C ends it within a second and leaves nothing behind.
+    """Makes a call that measures. Returns its code, 0 or 1, and its result. Ctrl-C ends it within a second.
 
-    `arguments` are those before `run`.
+    `arguments`: the arguments before `run`. `threads`: 0 for one per core.
     """
     stop, result = c.c_ubyte(0), Handle("result")
     bar = Bar(name.removeprefix("lostbits_")) if progress else None
@@ -337,12 +348,12 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
 
 
 def stoppable_call(name: str, *arguments: Any, stop: Any) -> int:
-    """A call that takes its time, in a thread of its own: Ctrl-C sets `stop`, which the call asks, and waits for it."""
+    """Makes a long call in a worker. Ctrl-C sets `stop`, which the call polls, and waits for the call to end."""
     return _run(getattr(library, name), arguments, ErrorText(), stop)
 
 
 class Bar:
-    """How far a call is, on a terminal or under a cell of a notebook: one line, written again and again."""
+    """Progress of a call on a terminal or under a cell of a notebook: one line that is rewritten."""
 
     def __init__(self, title: str) -> None:
         self.title, self.shown = title, ""

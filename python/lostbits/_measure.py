@@ -1,4 +1,4 @@
-"""The questions: maps, judged rays, truths, crossings, sweeps, explained rays, offsets, choices, mended forms."""
+"""The calls that measure: map, judge, ask, truth, hits, inside, offsets, sweep, explain, choose, mend."""
 
 from __future__ import annotations
 
@@ -23,13 +23,21 @@ _both = ("f32", "f64")
 
 def map(scene: Union[Scene, str], forms: Forms = None, formats: Texts = _both, metrics: Texts = (), *,
         pixels: bool = True, threads: int = 0, progress: bool = True) -> Map:
-    """Every form in every format over the pixels of a scene, against the certified truth: where bits are lost.
+    """Compares every form in every format with the certified truth, over the pixels of a scene.
 
-    `forms`: names and globs ("sphere.unified", "box.*") and intersectors of one's own; none: all that fit. `formats`:
-    "f32", "f64", "fp16", "bf16", "tf32", "p11" (11 significand bits), "p5..p12". `metrics`: beside the default ones,
-    such as "culprit", "model_error", "condition". The result: `m.summary`, a row a form and format; `m.frame`, the same
-    in pandas; `m.pixels["sphere.unified", "f32"].lost_bits`, height x width, nan where there is none. Bits are those of
-    `lostbits map`. Ctrl-C ends it within a second.
+    - `scene`: a name, a path, the text of a scene file, or what lb.scene returns.
+    - `forms`: names, globs ("sphere.unified", "box.*") and intersectors of your own. None: all that fit the scene.
+    - `formats`: "f32", "f64", "fp16", "bf16", "tf32", "p11" (11 significand bits), "p5..p12".
+    - `metrics`: metrics beside the default ones, such as "culprit", "model_error", "condition".
+    - `pixels`: False leaves out the results of single pixels and saves memory.
+    - `threads`: 0 for one per core. `progress`: shows the progress on a terminal or in a notebook.
+
+    The result `m` has `m.summary`, one row per form and format, and `m.frame`, the same in pandas.
+    `m.pixels["sphere.unified", "f32"].lost_bits` is an array of shape (height, width), in bits, with nan where the
+    pixel has no value. The numbers are those of `lostbits map`, to the bit.
+
+    Ctrl-C ends the call within a second. Raises InputError, EnvironmentFault or NothingSelected, and what a function of
+    yours raised.
 
     >>> m = lb.map("near-benign", ["sphere.unified", "sphere.schoolbook"])
     """
@@ -45,19 +53,29 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
           threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
           matrix: Floats | None = None, open_ends: str = "none", format: str | None = None, direction: str = "any",
           touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both") -> Judgement:
-    """Rays and the answers that some code gave to them, against the certified truth.
+    """Compares answers that other code gave to rays with the certified truth.
 
-    `o`, `d`: n x 3, float32 or float64, read where they lie, whatever their strides. `t`: n, in lengths of d (of d
-    normalised with direction="unit"), nan where it misses; `hit`: n booleans, where t does not say it. `solids`: m x k
-    numbers of a `shape`, which every ray is aimed at, or with paired=True one a ray, or a scene. `tmin`, `tmax`: where
-    each ray begins and ends, both ends being part of it but for open_ends="tmin", "tmax" or "both". `matrix`, n x 12 or
-    n x 3 x 4: what each ray's solid stands under, from its own space to the world, with one solid for all rays or with
-    paired=True. `forms`: others that answer to the same rays. `format`: what t was computed in (default: its type).
+    - `o`, `d`: origins and directions, n x 3, float32 or float64. They are read in place, with any strides.
+    - `t`: n distances in lengths of d (of d normalised with direction="unit"), nan for a miss. None if no answers are
+      judged but only `forms`.
+    - `hit`: n booleans, needed if t does not mark misses by nan.
+    - `solids`: primitives, m x k numbers of a `shape`, which every ray may hit; with paired=True n x k, one per ray; or
+      a scene.
+    - `tmin`, `tmax`: n numbers each, the range of each ray. Both ends belong to it, except those that `open_ends` names
+      ("tmin", "tmax" or "both").
+    - `matrix`: n x 12 or n x 3 x 4. The transform of the primitive of each ray, from object space to the world. Needs
+      one primitive for all rays, or paired=True.
+    - `forms`: forms that answer the same rays. `formats`: their formats, by default that of t.
+    - `format`: the format that t was computed in, by default its type.
+    - `direction`, `touching`, `at_origin`, `inside`, `facing`: what counts as right, as in lb.intersector.
+    - `by`: one item per ray (depth, material, instance). The summary then also has one row per value, named in its
+      column `by`.
+    - `bits`: the column enough_bits_too_few counts the hits that keep fewer correct bits.
+    - `tolerance`, in the unit of length of the given numbers: the column tolerance_beyond counts the hits that are
+      farther than this from the true point, along the ray.
 
-    The result: `.summary`, `.frame`, `.rays` (a row a ray: outcome, lost_bits, truth, ...), `.of["sphere.unified",
-    "f32"]`. `by`, an item a ray (depth, material, instance): the summary also has a row for each value, in its column
-    `by`. `bits`: counts, in enough_bits_too_few, the hits that keep fewer. `tolerance`, in the unit of length of the
-    numbers given: in tolerance_beyond those farther than it from the true point, along the ray.
+    The result has `.summary`, `.frame`, `.rays` (one row per ray: outcome, lost_bits, truth, ...; kept with rows=True)
+    and `.of["sphere.unified", "f32"]`, the rays of one form. Raises InputError for arrays of another shape or type.
     """
     wished = [f"enough_bits:{bits!r}"] if bits is not None else []
     if tolerance is not None:
@@ -77,9 +95,10 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
 def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", format: str = "f32",
         paired: bool = False, written: bool = False, tmin: Floats | None = None, tmax: Floats | None = None,
         threads: int = 0) -> Table:
-    """What a form answers to rays, in any format: a table of `hit` (n booleans) and `t` (n, nan where it misses).
+    """Answers of one form to rays, in any format: a table of `hit` (n booleans) and `t` (n, nan for a miss).
 
-    `written`: of an intersector of one's own, what its operations give, which other formats than f32 and f64 run.
+    `o`, `d`, `solids`, `shape`, `paired`, `tmin`, `tmax`: as in lb.judge. `written`: runs the recorded operations of an
+    intersector of your own, not the function. Formats other than f32 and f64 always do.
     """
     asked = Asked(form, format, written=written)
     given = Rays(o, d, solids, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
@@ -96,12 +115,18 @@ def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: b
           touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
           tmin: Floats | None = None, tmax: Floats | None = None, matrix: Floats | None = None,
           open_ends: str = "none", threads: int = 0) -> Truths:
-    """The certified truth of rays: `hit` (booleans), `t` (the nearest double, nan of a miss) and `t_lo` (what is
-    left, so that t + t_lo is the exact t to 2^-72 of itself), `solid` (which is hit first, from 0; -1 of a miss),
-    `resolved`.
+    """Certified truth of rays.
 
-    `o`, `d`: n x 3 of float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre,
-    radius), or a scene. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
+    `o`, `d`: n x 3, float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre, radius),
+    or a scene. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
+
+    The result has one item per ray:
+
+    - `hit`: booleans.
+    - `t`: the nearest double to the exact t, in lengths of d (of d normalised with direction="unit"); nan for a miss.
+    - `t_lo`: the rest. t + t_lo is the exact t with a relative error of at most 2^-72.
+    - `solid`: index of the primitive that is hit first, from 0; -1 for a miss.
+    - `resolved`: False where hit or miss could not be decided.
     """
     given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
                  direction=direction, touching=touching, at_origin=at_origin, inside=inside, facing=facing)
@@ -149,11 +174,13 @@ def _of_mesh(mesh: Any) -> Any:
 
 def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", strategies: Texts = (),
             points: str = "both", *, threads: int = 0, progress: bool = True) -> Offsets:
-    """How far the origin of the next ray must move, point by point, and what published strategies do.
+    """Measures how far the origin of the next ray must move at each hit point, and how published strategies do.
 
-    `forms` find the points and are asked for self-hits; none: sphere.half_b, box.ieee_minmax, one of each other shape.
-    `strategies`: names and globs; none: all. `points`: "computed", "projected" (put back onto the surface) or "both".
-    The result: `.summary`, a row a strategy, side, point, form and format, with lengths in the scene's own unit.
+    `forms` find the points and are tested for self-hits. None: sphere.half_b, box.ieee_minmax, and one form of each
+    other shape. `strategies`: names and globs; none: all. `points`: "computed", "projected" (moved back onto the
+    surface) or "both".
+
+    The result has `.summary`, one row per strategy, side, point, form and format. Lengths are in the scene's unit.
     """
     on, asked, words = scene_of(scene), Asked(forms, formats), lib.Words(lib.texts(strategies, "strategies"), "strategies")
     _, result = asked.call("lostbits_offsets", on.handle.pointer, c.byref(words), lib.in_utf8(points, "points"), threads=threads,
@@ -165,18 +192,27 @@ def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
           along: Union[str, Mapping[str, float], None] = None, start: float | None = None, to: float | None = None,
           steps: int = 41, spacing: str = "log2", metrics: Texts = (), data: str | None = None, threads: int = 0,
           progress: bool = True) -> Sweep:
-    """The numbers of a map along a parameter, and where they first go wrong.
+    """Measures a map at each step of a parameter, and finds where its numbers first go wrong.
 
-    `of`: a sweep that ships with lostbits, a path to one, its text; or a scene, with `along` the path of the number
-    that changes ("sphere[0].radius"), several paths and the factor of each ({"camera.eye[2]": 2}), or "distance": the
-    one sphere of the scene moves away from the camera. The number goes from `start` (of "distance": what it is in the
-    scene) `to`, in `steps`, spacing "log2" or "linear". The result: `.samples`, `.onsets`, `.frame`, `.plot()`.
+    `of` is one of:
+
+    - a sweep: the name of one that ships with lostbits, a path, or its text
+    - a scene, together with `along`
+
+    `along` says which number of the scene changes: its path ("sphere[0].radius"), several paths with a factor each
+    ({"camera.eye[2]": 2}), or "distance", which moves the only sphere of the scene away from the camera. The number
+    goes from `start` to `to` in `steps` steps, with spacing "log2" or "linear". For "distance", `start` defaults to the
+    distance in the scene.
+
+    The result has `.samples`, `.onsets`, `.frame` and `.plot()`. Raises InputError if `along`, `start` or `to` is
+    needed but missing.
     """
     folder, asked = lib.data_folder(data), Asked(forms, formats, metrics)
     on = of if isinstance(of, Scene) else None
     text = _sweep_text(scene_of(of), along, start, to, steps, spacing, folder) if along is not None else of
     if not isinstance(text, str):
-        raise lib.InputError(f"sweep: of {scene_of(text)!r}, say what changes: along=\"sphere[0].radius\", to=1e6")
+        raise lib.InputError(f"sweep: {scene_of(text)!r} is a scene; say what changes in it, as in "
+                             "along=\"sphere[0].radius\", start=1, to=1e6")
     if on is not None:
         asked.write_for(on.sample)
     _, result = asked.call("lostbits_sweep", lib.in_utf8(text, "of"), int("\n" in text), folder, threads=threads,
@@ -187,9 +223,9 @@ def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
 def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float | None, to: float | None, steps: int,
                 spacing: str, folder: bytes | None) -> str:
     if to is None:
-        raise lib.InputError("sweep: say how far, as in to=1e6")
+        raise lib.InputError("sweep: to is missing; say where the sweep ends, as in to=1e6")
     if on.name is None:
-        raise lib.InputError("sweep: this scene has no file; save its text as one, and name that")
+        raise lib.InputError("sweep: this scene has no file; save it as a .toml file, and give the path to that")
     in_data = os.path.join((folder or b"data").decode(), "scenes", on.name + ".toml")
     path = os.path.abspath(on.name if os.path.isfile(on.name) else in_data)
     bases, name = list[float](), "value"
@@ -200,14 +236,14 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float 
         view = (look - eye) / np.linalg.norm(look - eye)
         spheres = read.get("sphere", [])
         if len(spheres) != 1:
-            raise lib.InputError(f"sweep: along=\"distance\" moves one sphere, and the scene has {len(spheres)}")
+            raise lib.InputError(f"sweep: along=\"distance\" moves the only sphere, but the scene has {len(spheres)}; "
+                                 "write the path of a number, as in along=\"sphere[0].centre[2]\"")
         at = float(np.dot([float(x) for x in spheres[0]["centre"]] - eye, view))
         start = at if start is None else start
         along = {f"sphere[0].centre[{k}]": float(view[k]) for k in range(3)}
         bases, name = [float(x) for x in eye], "distance"
     if start is None:
-        raise lib.InputError(f"sweep: along={along!r} is a number of the scene, and says nothing of where it begins; "
-                             "write start=1, or along=\"distance\"")
+        raise lib.InputError(f"sweep: along={along!r} needs a first value; write it, as in start=1")
     paths = {along: 1.0} if isinstance(along, str) else dict(along)
     axis = {"name": name, "unit": "world", "spacing": spacing, "from": lib.number(start, "start"),
             "to": lib.number(to, "to"), "steps": lib.whole(steps, "steps"), "set": list(paths), "factors": list(paths.values()),
@@ -218,17 +254,20 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float 
 
 
 def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format: str = "f32") -> Explanation:
-    """One ray of a scene, operation by operation: which one loses the bits.
+    """Explains one ray of a scene, operation by operation, and names the one that loses the bits.
 
-    `form`: a name, or an intersector of one's own, whose unchanged function is followed; what cannot be followed is an
-    Unfollowed with the file and line. `pixel`: column and row, from the left and from the top. The result prints what
-    `lostbits explain` says; `.operations` is a table of them (`.frame` in pandas), `.culprit` names the one to blame.
+    `form`: a name, or an intersector of your own, whose unchanged function is followed. `pixel`: (column, row), from 0,
+    counted from the left and from the top.
+
+    The result prints as the text of `lostbits explain`. `.operations` has one row per operation (`.frame` in pandas),
+    and `.culprit` names the one to blame. Raises Unfollowed, with file and line, if the function does something that
+    cannot be followed.
     """
     on, asked = scene_of(scene), Asked(form, format)
     if len(asked.own) + len(asked.names) != 1:
-        raise lib.InputError("explain looks at one form; name one")
+        raise lib.InputError("explain takes exactly one form; name one")
     if not (isinstance(pixel, tuple) and len(pixel) == 2):
-        raise lib.InputError(f"pixel is (column, row), such as (100, 90), not {pixel!r}")
+        raise lib.InputError(f"pixel is {pixel!r}; it must be (column, row), such as (100, 90)")
     place = [lib.whole(k, f"pixel[{i}]") for i, k in enumerate(pixel)]
     asked.write_for(on.sample, always=True)
     _, result = asked.call("lostbits_explain", on.handle.pointer, *(c.c_int(k) for k in place), quick=True)
@@ -245,13 +284,20 @@ def _wish(bits: float, tolerance: float, wrong: float, at: str) -> Any:
 def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: float | None = None, wrong: float = 0,
            at: str = "p99", forms: Forms = None, formats: Texts = _both, threads: int = 0,
            progress: bool = True) -> Choice:
-    """The cheapest form and format that keeps `bits` correct bits of t on `at` ("p99", "max") of the hits, whose hit
-    point is no farther than `tolerance` from the true one along the ray (in the scene's own unit of length), and that
-    decides at most a share `wrong` of the rays wrongly. The result: `.chosen`, (form, format) or None; `.candidates`,
-    cheapest first; `.room`, how far it holds; `.text`. Times are measured anew each time.
+    """Finds the cheapest form and format that meets a requirement on a scene.
+
+    - `bits`: correct bits of t that must be kept.
+    - `tolerance`: largest allowed distance of the hit point from the true one, along the ray, in the scene's unit of
+      length. Give `bits`, `tolerance` or both.
+    - `at`: the share of the hits on which they must hold: "p50", "p99", "p99.9" or "max" (every hit).
+    - `wrong`: largest allowed fraction of rays with a wrong decision, 0 to 1.
+
+    The result has `.chosen`, (form, format) or None if nothing meets the requirement; `.candidates`, cheapest first;
+    `.room`, how far the requirement holds; and `.text`. Times are measured anew in each call.
     """
     if bits is None and tolerance is None:
-        raise lib.InputError("choose: no wish is given; add bits=16 (of t) or tolerance=0.001 (of the hit point)")
+        raise lib.InputError("choose: the requirement is missing; add bits=16 (correct bits of t) or tolerance=0.001 "
+                             "(distance of the hit point from the true one)")
     on, asked = scene_of(scene), Asked(forms, formats)
     wish = _wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at)
     code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)
@@ -260,17 +306,23 @@ def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: fl
 
 def mend(form: Form, scene: Union[Scene, str], bits: float, *, wrong: float = 0, at: str = "max", format: str = "f32",
          two_words: bool = False, threads: int = 0, progress: bool = True) -> Mended:
-    """What to change in a form so that t keeps `bits` correct bits on `at` ("p99", "max") of the hits of a scene, and at
-    most a share `wrong` of the rays is decided wrongly: the fewest operations that must be done in float64 (with
-    two_words=True in two floats), and other ways of writing it.
+    """Finds what to change in a form so that it meets a requirement on a scene.
 
-    `form`: a name, or an intersector of one's own, whose unchanged function is followed as in lb.explain. The result
-    prints what `lostbits mend` says; `.operations` are those that must be wider, each with its `line` in the function's
-    file; `.forms` a row for each form that came out and each of the catalogue; `.code` the one to take as C++, or None.
+    It finds the fewest operations that must be done in float64 (with two_words=True, in two floats), and other ways of
+    writing the form.
+
+    - `form`: a name, or an intersector of your own, whose unchanged function is followed as in lb.explain.
+    - `bits`: correct bits of t that must be kept.
+    - `at`: the share of the hits on which they must be kept: "p50", "p99", "p99.9" or "max" (every hit).
+    - `wrong`: largest allowed fraction of rays with a wrong decision, 0 to 1.
+
+    The result prints as the text of `lostbits mend`. `.operations` are those that must be wider, each with its `line`
+    in the function's file. `.forms` has one row per repaired form and per form of the catalogue. `.code` is the form to
+    use, as C++, or None if the form itself is as good.
     """
     on, asked = scene_of(scene), Asked(form, format)
     if len(asked.own) + len(asked.names) != 1:
-        raise lib.InputError("mend changes one form; name one")
+        raise lib.InputError("mend takes exactly one form; name one")
     asked.write_for(on.sample, always=True)
     wish = _wish(bits, -1, wrong, at)
     code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(wish), c.c_int(bool(two_words)), threads=threads,

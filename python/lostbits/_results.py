@@ -1,4 +1,4 @@
-"""What the questions give back."""
+"""Results of the calls that measure."""
 
 from __future__ import annotations
 
@@ -14,19 +14,22 @@ from ._trace import Tape
 
 
 class ByRow:
-    """Tables by form and format: `of["sphere.unified", "f32"]`; of a form of one's own, its function's name will do."""
+    """Tables by form and format: `of["sphere.unified", "f32"]`. A form of your own also goes by its function's name.
+
+    Raises a KeyError that lists the pairs if there is no table for a form and format.
+    """
 
     def __init__(self, tables: dict[str, Any]) -> None:
         self._tables = {name: table for name, table in tables.items() if name != "summary"}
 
     def __getitem__(self, key: Any) -> Any:
         if not (isinstance(key, tuple) and len(key) == 2):
-            raise KeyError(f"{key!r}: name a form and a format, as in [\"sphere.unified\", \"f32\"]")
+            raise KeyError(f"{key!r} is not a pair; write a form and a format, as in [\"sphere.unified\", \"f32\"]")
         form = getattr(key[0], "name", key[0])
         for name in (f"{form}.{key[1]}", f"py.{form}.{key[1]}"):
             if name in self._tables:
                 return self._tables[name]
-        raise KeyError(f"no {form} in {key[1]}; there are {', '.join(map(str, self))}")
+        raise KeyError(f"no table for {form} in {key[1]}; available: {', '.join(map(str, self))}")
 
     def __iter__(self) -> Iterator[tuple[str, str]]:
         return ((form, format) for form, _, format in (name.rpartition(".") for name in self._tables))
@@ -39,7 +42,7 @@ class ByRow:
 
 
 class Pixels(Table):
-    """A row of a map, pixel by pixel: every column is an array of height x width. `.frame` has a row a pixel."""
+    """One form and format of a map. Every column is an array of shape (height, width). `.frame` has a row per pixel."""
 
     def __init__(self, table: Table, size: tuple[int, int]) -> None:
         super().__init__(table.name, table.columns, len(table))
@@ -50,7 +53,7 @@ class Pixels(Table):
 
 
 class Summarised:
-    """A table `.summary`, which is `.frame` in pandas."""
+    """A result with the table `.summary`, which is `.frame` in pandas."""
 
     def __init__(self, summary: Table) -> None:
         self.summary = summary
@@ -66,7 +69,7 @@ class Summarised:
 
 
 class Map(Summarised):
-    """What `map` found: `.summary`, `.frame`, `.pixels[form, format]`; in a notebook it is a picture."""
+    """Result of `map`: `.summary`, `.frame`, `.pixels[form, format]`. A notebook shows it as a picture."""
 
     def __init__(self, tables: dict[str, Table], size: tuple[int, int]) -> None:
         super().__init__(tables["summary"])
@@ -74,7 +77,7 @@ class Map(Summarised):
         self.pixels = ByRow({name: Pixels(table, size) for name, table in tables.items()})
 
     def figure(self, column: str = "lost_bits") -> Any:
-        """A picture a form and format, of one range, as a matplotlib Figure; grey: no agreed hit."""
+        """A picture for each form and format, as a matplotlib Figure. All have the same range. Grey: no agreed hit."""
         rows = list(self.pixels)
         images = [np.asarray(self.pixels[row][column], dtype=float) for row in rows]
         figure = optional("matplotlib.figure").Figure(figsize=(3 * len(rows) + 0.8, 3.4))
@@ -101,8 +104,7 @@ class Map(Summarised):
 
 
 class Judgement(Summarised):
-    """What `judge` found: `.summary`, `.frame`, `.rays` (the answers that were judged, a row a ray), `.of[form,
-    format]`."""
+    """Result of `judge`: `.summary`, `.frame`, `.rays` (the judged answers, a row per ray), `.of[form, format]`."""
 
     def __init__(self, tables: dict[str, Table]) -> None:
         super().__init__(tables["summary"])
@@ -110,18 +112,18 @@ class Judgement(Summarised):
 
     @property
     def rays(self) -> Table:
-        """Of the answers, or of the first form where there are none."""
+        """A row per ray for the judged answers, or for the first form if no answers were given."""
         for row in self.of:
             return self.of[row]  # type: ignore[no-any-return]
-        raise AttributeError("rays were not asked for: rows=True keeps them")
+        raise AttributeError("the rays were not kept; call lb.judge with rows=True")
 
 
 class Offsets(Summarised):
-    """What `offsets` found: `.summary`, a row a strategy, side, point, form and format, `.frame`."""
+    """Result of `offsets`: `.summary`, a row per strategy, side, point, form and format, and `.frame`."""
 
 
 class Truths:
-    """Certified truths, an item a ray: hit, t, t_lo, solid, resolved."""
+    """Result of `truth`: arrays with an item per ray, hit, t, t_lo, solid, resolved."""
 
     def __init__(self, table: Table) -> None:
         decision = table["decision"]
@@ -189,14 +191,15 @@ class Inside:
 
 
 class Sweep(Summarised):
-    """What `sweep` found: `.samples` (a row a form, format and step), `.onsets` (of one axis), `.frame`, `.plot()`."""
+    """Result of `sweep`: `.samples` (a row per form, format and step), `.onsets` (if there is one axis; otherwise
+    None), `.frame` and `.plot()`."""
 
     def __init__(self, tables: dict[str, Table]) -> None:
         super().__init__(tables["samples"])
         self.samples, self.onsets = tables["samples"], tables.get("onsets")
 
     def plot(self, column: str = "lost_bits_p50") -> Any:
-        """A line a form and format along the first axis, as a matplotlib Figure."""
+        """A line for each form and format along the first axis, as a matplotlib Figure."""
         name = next(iter(self.samples))
         x, y, forms, formats = (self.samples[k] for k in (name, column, "form", "format"))
         figure = optional("matplotlib.figure").Figure(figsize=(7, 4))
@@ -213,7 +216,7 @@ class Sweep(Summarised):
 
 
 class Choice(Summarised):
-    """What `choose` found: `.chosen`, `.candidates` (`.frame`), `.room`, `.text`."""
+    """Result of `choose`: `.chosen`, (form, format) or None, `.candidates` (`.frame`), `.room`, `.text`."""
 
     def __init__(self, tables: dict[str, Table], text: str, meets: bool) -> None:
         super().__init__(tables["choose"])
@@ -226,9 +229,12 @@ class Choice(Summarised):
 
 
 class Mended:
-    """What `mend` found. Printed, it is the text; `.meets` whether anything meets the wish; `.operations`, those that
-    must be wider, each with its `line` in the function's file (None where the form ships); `.forms` (`.frame`) what
-    came out beside the catalogue; `.code` the form to take as C++, None where the form itself is as good."""
+    """Result of `mend`. It prints as the text.
+
+    `.meets`: True if any form meets the requirement. `.operations`: the operations that must be wider, each with its
+    `line` in the function's file (None for a form that ships with lostbits). `.forms` (`.frame`): the repaired forms
+    and those of the catalogue. `.code`: the form to use, as C++, or None if the form itself is as good.
+    """
 
     def __init__(self, tables: dict[str, Table], texts: list[str], meets: bool, followed: Tape | None) -> None:
         self.forms, self.text, self.meets = tables["mend"], texts[0], meets
@@ -249,9 +255,12 @@ class Mended:
 
 
 class Explanation:
-    """What `explain` found. Printed, it is the text; `.operations` are rows of the operations, `.culprit` what the one
-    to blame computes, such as `dot(o - centre, d)`, `.line` where the function's file does it (None where there is
-    none, or the form ships), `.json` everything."""
+    """Result of `explain`. It prints as the text.
+
+    `.operations`: a row per operation. `.culprit`: the expression of the operation to blame, such as
+    `dot(o - centre, d)`, or None. `.line`: its line in the function's file, or None if there is no culprit or the form
+    ships with lostbits. `.json`: everything.
+    """
 
     def __init__(self, text: str, found: dict[str, Any], followed: Tape | None) -> None:
         self.text, self.json = text, found
@@ -274,12 +283,16 @@ class Explanation:
 
 
 def _done(followed: Tape) -> list[tuple[str, Any]]:
-    """What was done, in order, and where."""
+    """Name and line of each operation, in order, without inputs and constants."""
     return [(op, line) for (op, _, _), line in zip(followed.ops, followed.lines) if op not in ("input", "constant")]
 
 
 def _put_lines(operations: list[dict[str, Any]], followed: Tape) -> None:
-    """Where each operation was done. The tape has one more input, and constants in pieces of their own."""
+    """Adds its line to each operation.
+
+    Inputs, constants and operations on constants alone are skipped. The tape has one more input, and splits constants
+    in its own way.
+    """
     constant, rows = dict[str, bool](), list[dict[str, Any]]()
     for row in operations:
         operands = [constant.get(name, False) for name in row["operands"]]
@@ -288,5 +301,5 @@ def _put_lines(operations: list[dict[str, Any]], followed: Tape) -> None:
             rows.append(row)
     for row, (op, line) in zip(rows, _done(followed)):
         if row["operation"] != op:
-            return  # a comparison of constants, behind which places are not known
+            return  # a comparison of constants; the lines of what follows are not known
         row["line"] = line

@@ -17,14 +17,14 @@ from ._tables import Table, tables_of
 
 
 class Scene:
-    """What rays are made of and aimed at: solids and a camera. Made by `scene`."""
+    """A camera and the primitives that its rays are aimed at. Made by `scene`."""
 
     def __init__(self, handle: lib.Handle, name: str | None) -> None:
         self.handle, self.name = handle, name
 
     @cached_property
     def rays(self) -> dict[str, Table]:
-        """Tables: `rays` (x, y, ox ... dz of every pixel, as every form gets them), and a table a shape of solids."""
+        """Tables: `rays` (x, y, ox ... dz of every pixel, as every form gets them), and one per shape of primitive."""
         return tables_of(lib.result_of("lostbits_scene_rays", self.handle.pointer))
 
     @property
@@ -34,14 +34,20 @@ class Scene:
         return int(rays["x"][-1]) + 1, int(rays["y"][-1]) + 1
 
     def arrays(self, shape: str = "sphere", dtype: Any = np.float32) -> tuple[Floats, Floats, Floats]:
-        """o, d (a row a pixel) and the solids of a shape, without their matrices, whose columns come behind theirs."""
+        """o and d, each n x 3 with a row per pixel, and the m x k numbers of the primitives of `shape`.
+
+        Matrices of the primitives are left out.
+        """
         rays, table = self.rays["rays"], self.rays.get(shape)
         o, d = (np.stack([rays[k + axis] for axis in "xyz"], axis=1).astype(dtype) for k in "od")
         solids = [table[k] for k in list(table)[:COUNTS[shape]]] if table else [np.empty(0)] * COUNTS[shape]
         return o, d, np.stack(solids, axis=1).astype(dtype)
 
     def sample(self, shape: str, dtype: Any) -> tuple[Floats, Floats, Floats]:
-        """At most some thousand of its rays, evenly, a stretch of them to each of the solids."""
+        """A few thousand rays of the scene (fewer than 8192), evenly spread, each with a primitive of `shape`.
+
+        Each primitive gets a run of consecutive rays.
+        """
         o, d, solids = self.arrays(shape, dtype)
         step = max(1, len(o) // 4096)
         o, d = np.ascontiguousarray(o[::step]), np.ascontiguousarray(d[::step])
@@ -63,47 +69,57 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
           mesh: tuple[ArrayLike, ArrayLike] | None = None, transform: ArrayLike | None = None,
           size: tuple[int, int] | None = None, set: Sequence[str] = (), inputs: str = "shared",
           data: str | None = None, **solids: Any) -> Scene:
-    """A scene: by name, from a file, from text, or from arrays.
+    """Makes a scene by name, from a file, from text, or from arrays.
 
-    `name`: that of a scene which ships with lostbits ("rtg-fig-7-3-4100-oblique"), a path to a .toml file, or the text
-    of one (it holds a line break). `size`: width and height in pixels. `set`: changes, as in "sphere[0].radius=10".
+    With `name`:
 
-    Without a name: `camera` as in docs/files.md, {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0],
-    "fov_deg": 40}, and solids by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi),
-    `triangles` n x 9, `tori` n x 8, ...; lb.SHAPES has the keys of each. Or `mesh` = (vertices n x 3, faces m x 3).
-    `transform` (4 x 4, or 3 x 4): the matrix that all of them stand under, as it is stored; nothing is multiplied by
-    it, and forms are asked through a space ("triangle.undivided@pbrt"). Solids are doubles; with inputs="shared" they
-    and the matrix are rounded once to float32, so that every format gets the same numbers, with "own" each format
-    rounds them itself.
+    - `name`: a scene that ships with lostbits ("rtg-fig-7-3-4100-oblique"), the path of a .toml file, or the text of
+      one (recognised by its line break).
+    - `size`: (width, height) in pixels.
+    - `set`: changes, as in "sphere[0].radius=10".
+    - `data`: the folder with scenes/ and sweeps/, by default that of the package.
+
+    Without `name`:
+
+    - `camera`, as in docs/files.md: {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0], "fov_deg": 40}.
+    - Primitives by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi), `triangles`
+      n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each.
+    - `mesh`: (vertices n x 3, faces m x 3). Faces hold indices of vertices, from 0.
+    - `transform` (4 x 4 or 3 x 4): the matrix of all primitives, from object space to the world, as it is stored. The
+      primitives are not multiplied by it. Name forms with a transform method ("triangle.undivided@pbrt").
+    - `inputs`: primitives and matrix are doubles. "shared" rounds them once to float32, so that every format gets the
+      same numbers. With "own", each format rounds them itself.
+
+    Raises InputError if an argument is missing or has another shape or type.
     """
     try:
         width, height = (lib.whole(n, "size", 1) for n in size) if size is not None else (0, 0)
     except lib.InputError:
         raise
     except (TypeError, ValueError):
-        raise lib.InputError(f"scene: size is {size!r}; write width and height, as in size=(48, 48)") from None
+        raise lib.InputError(f"scene: size is {size!r}; give width and height, as in size=(48, 48)") from None
     changes = lib.Words(lib.texts(set, "set"), "set")
     stop = c.c_ubyte(0)
     where = c.byref(lib.Where(lib.data_folder(data), width, height, changes, c.pointer(stop)))
     plurals = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
     for key in solids:
-        word(key, plurals, "a solid's name")
+        word(key, plurals, "an argument of lb.scene")
     handle = lib.Handle("scene")
     if name is not None:
         if not isinstance(name, (str, os.PathLike)):
-            raise lib.InputError(f"scene: {name!r} is not a name; write that of a scene, a path, or the text of a file")
+            raise lib.InputError(f"scene: name is {name!r}; give the name of a scene, a path, or the text of a file")
         if camera is not None or mesh is not None or solids:
-            raise lib.InputError("scene: has a name, and solids or a camera of its own; write one or the other")
+            raise lib.InputError("scene: a name was given together with a camera or primitives; give one or the other")
         name = os.fspath(name)
         is_text = "\n" in name
         lib.stoppable_call("lostbits_scene_text" if is_text else "lostbits_scene_open", lib.in_utf8(name, "name"), where,
                            c.byref(handle.pointer), stop=stop)
         return Scene(handle, None if is_text else name)
     if camera is None:
-        raise lib.InputError("scene: no name and no camera; write camera={\"kind\": \"pinhole\", \"eye\": ..., "
-                             "\"look_at\": ..., \"fov_deg\": 40}")
+        raise lib.InputError("scene: no name and no camera; give a name, or camera={\"kind\": \"pinhole\", \"eye\": "
+                             "..., \"look_at\": ..., \"fov_deg\": 40}")
     if mesh is None and not solids:
-        raise lib.InputError("scene: no solids; write spheres=, boxes=, triangles=, ... or mesh=(vertices, faces)")
+        raise lib.InputError("scene: no primitives; give spheres=, boxes=, triangles=, ... or mesh=(vertices, faces)")
     text = "\n".join(['schema = "lostbits-scene/1"', 'title = "arrays"', f"inputs = {toml_text(inputs)}",
                       f"size = {toml_text(list(size or (256, 256)))}", "[camera]",
                       *(f"{key} = {toml_text(value)}" for key, value in camera.items()),
@@ -128,29 +144,31 @@ def _numbers(value: Any, name: str, columns: int, means: str = "", dtype: Any = 
             raise TypeError
         whole = dtype is np.float64 or array.dtype.kind in "iu" and (array.size == 0 or array.min() >= 0)
         if whole and dtype is not np.float64 and array.size and array.max() > np.iinfo(dtype).max:
-            raise lib.InputError(f"{name} has {array.max()}; places are from 0 to {np.iinfo(dtype).max}")
+            raise lib.InputError(f"{name} contains {array.max()}; indices must be from 0 to {np.iinfo(dtype).max}")
         numbers = np.ascontiguousarray(array, dtype=dtype)
     except lib.InputError:
         raise
     except (TypeError, ValueError):
         raise lib.InputError(f"{name} is not an array of numbers") from None
     if numbers.ndim != 2 or numbers.shape[1] != columns or name == "transform" and len(numbers) not in (3, 4):
-        raise lib.InputError(f"{name} has shape {numbers.shape}; it is n x {columns}{means}")
+        raise lib.InputError(f"{name} has shape {numbers.shape}; it must be (n, {columns}){means}")
     if not whole:
-        raise lib.InputError(f"{name} has {array.dtype}; it is of whole numbers from 0, places among the vertices")
+        raise lib.InputError(f"{name} is of {array.dtype}; it must hold whole numbers from 0, indices of vertices")
     return numbers
 
 
 def _put_under(handle: lib.Handle, transform: Any) -> None:
-    matrix = _numbers(transform, "transform", 4, ", 3 or 4 rows")
+    matrix = _numbers(transform, "transform", 4, " with 3 or 4 rows")
     if len(matrix) == 4 and matrix[3].tolist() != [0, 0, 0, 1]:
-        raise lib.InputError(f"transform has {matrix[3].tolist()} as its last row; of an affine map it is 0, 0, 0, 1")
+        raise lib.InputError(f"transform has {matrix[3].tolist()} as its last row; it must be affine, with the row "
+                             "0, 0, 0, 1 last")
     lib.call("lostbits_scene_transform", handle.pointer, matrix.ctypes, c.c_int(0))
 
 
 def _put_mesh(handle: lib.Handle, mesh: Any) -> None:
     if not isinstance(mesh, (tuple, list)) or len(mesh) != 2:
-        raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
+        raise lib.InputError("mesh must be (vertices, faces): an array n x 3 of numbers, and an array m x 3 of indices "
+                             "of vertices")
     vertices = _numbers(mesh[0], "mesh: the array of vertices", 3)
     faces = _numbers(mesh[1], "mesh: the array of faces", 3, dtype=np.uint32)
     lib.call("lostbits_scene_mesh", handle.pointer, vertices.ctypes, c.c_size_t(len(vertices)), faces.ctypes,
@@ -162,4 +180,4 @@ def scene_of(value: Union[Scene, str]) -> Scene:
         return value
     if isinstance(value, str):
         return scene(value)
-    raise lib.InputError(f"a scene is a name or what lb.scene(...) makes, not {with_article(value)}")
+    raise lib.InputError(f"the scene is {with_article(value)}; give a name or what lb.scene(...) returns")

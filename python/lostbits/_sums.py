@@ -1,4 +1,4 @@
-"""Sums, whose order is numpy's own, and the functions of numpy that are made of operations or only move items."""
+"""Follows sums, in numpy's own order, and the numpy functions that are made of operations or only move items."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _candidates: dict[int, dict[str, Callable[[Any, Any], Any]]] = {
 
 
 def _random(shape: tuple[int, ...], which: int = 0) -> Any:
-    """Numbers of many rays, which rounding tells apart; those of `which` differ."""
+    """Random numbers of many rays, whose sums differ by their order. Each `which` gives other numbers."""
     many = (64, *shape[1:]) if shape and shape[0] == 1 else shape
     return np.roll(_numbers, 4111 * which)[:int(np.prod(many))].reshape(many).astype(tape().dtype)
 
@@ -33,8 +33,10 @@ _plus: Callable[[Any, Any], Traced] = lambda x, y: elementwise(np.add, [x, y])
 
 
 def _order(key: Any, terms: int, ask: Callable[[], tuple[Any, list[Any]]]) -> Any:
-    """How numpy adds: the order that gives its very bits on random numbers. `ask()` returns what numpy makes of
-    them and the terms."""
+    """The order in which numpy adds: the candidate that gives the same bits as numpy on random numbers.
+
+    `ask()` returns numpy's result for such numbers, and their terms.
+    """
     if key not in _orders:
         if terms == 1:
             return lambda p, add: p[0]
@@ -44,7 +46,8 @@ def _order(key: Any, terms: int, ask: Callable[[], tuple[Any, list[Any]]]) -> An
                 _orders[key] = order
                 break
         else:
-            raise fail(f"numpy adds {terms} terms here in an order, or with roundings, that are not known")
+            raise fail(f"numpy adds {terms} terms here in an order, or with roundings, that lostbits does not know; "
+                       "write the sum out with +")
     return _orders[key]
 
 
@@ -52,7 +55,7 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
             initial: Any = None, **_: Any) -> Traced:
     array, name = traced(array, None), ufunc.__name__
     if out is not None or initial is not None and initial is not getattr(np, "_NoValue", None):
-        raise fail(f"np.{name}.reduce with out= or initial= is not followed")
+        raise fail(f"np.{name}.reduce with out= or initial= is not followed; leave them out")
     if name in ("logical_or", "logical_and") and (axis is None or axis == 0) and array.ndim == 1:
         made = Traced(np.array(name == "logical_or"), np.array(0))
         made.of_batch = True
@@ -61,7 +64,7 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
         raise fail(f"np.{name}.reduce over several axes at once is not followed; name one axis")
     at = (axis[0] if isinstance(axis, tuple) else 0 if axis is None else axis) % array.ndim
     if at == 0 and array.shape[0] == 1 and array.ndim > 1:
-        raise fail("a sum, least or largest over all rays: each ray is asked by itself")
+        raise fail("a sum, minimum or maximum over all rays is not followed: lostbits runs each ray by itself")
     parts = [array[(slice(None),) * at + (k,)] for k in range(array.shape[at])]
     combine: Any = lambda x, y: elementwise(ufunc, [x, y])
     if name == "add":
@@ -79,16 +82,17 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
 
 def _einsum(subscripts: str, *operands: Any, **options: Any) -> Traced:
     if len(operands) != 2 or options.get("optimize"):
-        raise fail("np.einsum of other than two arrays is not followed")
+        raise fail("np.einsum is followed for two arrays and without optimize=; write it so")
     spec = subscripts.replace(" ", "")
     left, _, result = spec.partition("->")
     names = left.split(",")
     if not result or "..." in spec and not all(n.startswith("...") for n in names):
-        raise fail("np.einsum without -> or with ... inside is not followed")
+        raise fail("np.einsum without ->, or with ... elsewhere than in front, is not followed; write 'ij,ij->i'")
     summed = [s for s in dict.fromkeys(names[0] + names[1]) if s not in result and s != "."]
     a, b = (traced(x, tape().dtype) for x in operands)
     if len(summed) != 1 or any(n.count(summed[0]) != 1 for n in names):
-        raise fail("np.einsum is followed where one letter is summed, once in both arrays, as in 'ij,ij->i'")
+        raise fail("np.einsum is followed only if it sums over one letter, which both arrays have once, as in "
+                   "'ij,ij->i'")
     s = summed[0]
     each = [n.replace("...", "") for n in names]
     axes = [x.ndim - len(n) + n.index(s) for x, n in zip((a, b), each)]
@@ -113,12 +117,13 @@ def _einsum(subscripts: str, *operands: Any, **options: Any) -> Traced:
 
 
 def _product(function: Any, a: Any, b: Any) -> Traced:
-    """np.dot, np.inner, np.matmul where a vector is the second."""
+    """np.dot, np.inner and np.matmul with a vector as the second argument."""
     a, b = traced(a, tape().dtype), traced(b, tape().dtype)
     if a.ndim == 0 or b.ndim == 0:
         return a * b  # type: ignore[no-any-return]
     if b.ndim != 1:
-        raise fail(f"np.{function.__name__} with a matrix second is not followed; write np.einsum('ij,ij->i', a, b)")
+        raise fail(f"np.{function.__name__} with a matrix as the second argument is not followed; write "
+                   "np.einsum('ij,ij->i', a, b)")
 
     def ask() -> tuple[Any, list[Any]]:
         x, y = _random(a.shape), _random(b.shape, 1)
@@ -130,7 +135,7 @@ def _product(function: Any, a: Any, b: Any) -> Traced:
 
 def _cross(a: Any, b: Any, axisa: int = -1, axisb: int = -1, axisc: int = -1, axis: Any = None) -> Traced:
     if axis not in (None, -1) or (axisa, axisb, axisc) != (-1, -1, -1):
-        raise fail("np.cross is followed along the last axis")
+        raise fail("np.cross is followed only along the last axis; leave its axes out")
     a, b = traced(a, tape().dtype), traced(b, tape().dtype)
     p, q = ([v[..., k] for k in range(3)] for v in (a, b))
     return _moved(np.stack)([p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]], axis=-1)
@@ -138,12 +143,12 @@ def _cross(a: Any, b: Any, axisa: int = -1, axisb: int = -1, axisc: int = -1, ax
 
 def _norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Traced:
     if ord not in (None, 2) or axis is None:
-        raise fail("np.linalg.norm is followed for the length along one axis: norm(x, axis=-1)")
+        raise fail("np.linalg.norm is followed only for the length along one axis; write norm(x, axis=-1)")
     return elementwise(np.sqrt, [_reduce(np.add, x * x, axis, keepdims)])
 
 
 def _moved(function: Any) -> Callable[..., Traced]:
-    """A function that only moves items, on arrays or on a list of them."""
+    """Follows a function that only moves items, on an array or a list of arrays."""
 
     def run(first: Any, *arguments: Any, **options: Any) -> Traced:
         several = isinstance(first, (list, tuple))
@@ -158,7 +163,7 @@ def _moved(function: Any) -> Callable[..., Traced]:
     return run
 
 
-CREATED = {"zeros": 0, "empty": 0, "ones": 1}  # what np.NAME fills an array with
+CREATED = {"zeros": 0, "empty": 0, "ones": 1}  # the value that np.NAME fills an array with
 
 
 def filled(shape: Any, value: Any) -> Traced:

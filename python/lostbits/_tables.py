@@ -1,4 +1,4 @@
-"""Tables of results, column by column, in the memory of the library."""
+"""Tables of results, whose columns lie in the memory of the library."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ from ._library import ColumnWords, EnvironmentFault, Handle, TableWords, library
 
 
 def optional(module: str) -> Any:
-    """Of a package that arrays do without."""
+    """Imports a package that is needed only for a convenience. Raises an EnvironmentFault if it is missing."""
     try:
         return importlib.import_module(module)
     except ImportError:
         package = module.partition(".")[0]
-        raise EnvironmentFault(f"{package} is not installed; the arrays are there without it") from None
+        raise EnvironmentFault(f"{package} is not installed; install it, or use the arrays, which do not need "
+                               "it") from None
 
 
 class Column:
-    """A column of a table: `values` (floats with nan where missing, texts with None, or codes), unit and meaning."""
+    """A column of a table: `values`, `unit` and `meaning`.
+
+    A missing value is nan among numbers and None among texts and categories.
+    """
 
     def __init__(self, raw: Any, rows: int, keeps: Handle) -> None:
         self.name, self.type, self.unit, self.meaning = (
@@ -39,12 +43,12 @@ class Column:
             self._kept = _view(raw.numbers, rows, c.c_double, keeps)
 
     def rename(self, values: NDArray[Any]) -> None:
-        """Texts that are places among values become those values."""
+        """Replaces each text, an index into `values`, by that value."""
         self._kept = np.array([None if text is None else values[int(text)] for text in self._kept], dtype=object)
 
     @property
     def values(self) -> NDArray[Any]:
-        """As numpy has them: integers where none is missing, categories as texts."""
+        """The values as a numpy array. Integers and booleans become floats if any is missing; categories are texts."""
         if self.codes is not None:
             names = np.array([*self.categories, *[None] * (256 - len(self.categories))], dtype=object)
             return names[self.codes]
@@ -54,7 +58,7 @@ class Column:
 
 
 def _view(address: int | None, rows: int, item: Any, keeps: Handle) -> NDArray[Any]:
-    """The memory of a result as an array, without a copy. The array keeps the result for as long as it lives."""
+    """A read-only array over the memory of a result, without a copy. The array keeps the result alive."""
     if rows == 0 or address is None:
         return np.empty(0, dtype=np.dtype(item))
     memory = (item * rows).from_address(address)
@@ -65,7 +69,7 @@ def _view(address: int | None, rows: int, item: Any, keeps: Handle) -> NDArray[A
 
 
 class Table:
-    """Columns of one length, as the CSV files of the program have them: `table["false_miss"]`, `table.frame`."""
+    """Columns of one length, with the names of the program's CSV files: `table["false_miss"]`, `table.frame`."""
 
     def __init__(self, name: str, columns: dict[str, Column], rows: int) -> None:
         self.name, self.columns, self._rows = name, columns, rows
@@ -89,8 +93,8 @@ class Table:
     def _no(self, column: str) -> str:
         names = list(self.__dict__.get("columns", {}))
         near = difflib.get_close_matches(column, names, 3) or names[:8]
-        return (f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}. Columns of a metric are "
-                "there where it was asked for, as in metrics=[\"lost_bits\", \"culprit\"]")
+        return (f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}. To get the columns of a "
+                "metric, name it in the call, as in metrics=[\"lost_bits\", \"culprit\"]")
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.columns]

@@ -1,9 +1,9 @@
-"""The operations of a numpy function, followed without changing it.
+"""Follows the operations of a numpy function without changing it.
 
-The function runs once on arrays of one ray whose items also know which operation made them. What it does to them
-(arithmetic, sqrt, where, comparisons, sums, cross products, masks) is written down as a list that liblostbits.so runs
-in every arithmetic. A nan is not a number of the list: where an item is nan because the function wrote nan there, it is
-the decision of a miss.
+The function runs once on arrays of one ray. Each item of these arrays also knows which operation made it. All that the
+function does to them (arithmetic, sqrt, where, comparisons, sums, cross products, masks) is recorded in a list, the
+tape, which liblostbits.so can run in every format. A nan is not a number of the list. An item that is nan because the
+function wrote nan there stands for the decision "miss".
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ from typing import Any, Callable, Iterator
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-ALWAYS = -1  # of `valid`: no decision makes it nan
-# Of files as code objects name them, links and all; a file of the user may lie beside them with a longer name.
+ALWAYS = -1  # in `valid`: no decision makes the item nan
+# Folders as code objects name them, with links not resolved. The final separator keeps them from matching a file of the
+# user beside them whose name begins in the same way.
 PACKAGE = os.path.join(os.path.dirname(__file__), "")
 NUMPY = os.path.join(os.path.dirname(np.__file__), "")
 
 
 class Unfollowed(TypeError):
-    """Something in a function that cannot be followed; says where."""
+    """A function does something that cannot be followed. If one line is the cause, the text begins with file:line."""
 
 
 def user_line() -> tuple[str, int]:
@@ -40,13 +41,13 @@ def fail(what: str) -> Unfollowed:
 
 
 class Tape:
-    """The list that is being written; `implicit`: the root of a negative number is the decision of a miss, too."""
+    """The list of operations being recorded. `implicit`: the root of a negative number also counts as a miss."""
 
     def __init__(self, dtype: Any, implicit: bool) -> None:
         self.dtype, self.implicit = np.dtype(dtype), implicit
         self.ops: list[tuple[str, tuple[int, ...], float]] = []
         self.labels: dict[int, str] = {}
-        self.branches: list[str] = []  # where `if` asked the whole batch
+        self.branches: list[str] = []  # file:line of each `if` on a whole batch
         self.lines: list[int] = []
         self._made: dict[tuple[str, tuple[int, ...], float], int] = {}
 
@@ -73,7 +74,7 @@ class Tape:
 
 
 here = threading.local()
-# What is followed of numpy's functions, each by itself; `_sums` adds to it.
+# The numpy functions that can be followed, with what runs in their place; `_sums` adds to it.
 known: dict[Any, Callable[..., Any]] = {}
 
 
@@ -89,8 +90,11 @@ _logic = {"logical_and": "both", "bitwise_and": "both", "logical_or": "either", 
 
 
 class Traced(NDArrayOperatorsMixin):
-    """An array whose items know their operation: `value` as numpy has it, `nodes` their places in the list, `valid` the
-    decision under which each is a number (ALWAYS: in any case)."""
+    """An array whose items know their operations.
+
+    `value`: the numpy array. `nodes`: the index of each item in the tape. `valid`: the index of the decision under
+    which each item is a number, or ALWAYS.
+    """
 
     __array_priority__ = 1000.0
 
@@ -109,14 +113,15 @@ class Traced(NDArrayOperatorsMixin):
         return Traced(change(self.value), change(self.nodes), change(self.valid))
 
     def __bool__(self) -> bool:
-        if self.of_batch:  # of any(): yes; of all(): no. What a batch of both kinds gives is right for each ray
+        if self.of_batch:  # any() is true and all() is false, as for a batch of hits and misses
             tape().branches.append("{}:{}".format(*user_line()))
             return bool(self.value)
-        raise fail("`if` (or `and`, `or`, `not`) on an array of rays: each ray may differ; write np.where or a mask")
+        raise fail("`if` (or `and`, `or`, `not`) on an array of rays cannot be followed, since rays may differ; write "
+                   "np.where or a mask")
 
     def _no_number(self, *_: Any, **__: Any) -> Any:
         raise fail("an array of rays becomes a number or a plain array here (float(x), math.f(x), np.array(x), a call "
-                   "into C): what happens to it then cannot be followed")
+                   "into C), and what is done to that cannot be followed; use numpy functions on whole arrays")
 
     __float__ = __int__ = __index__ = __complex__ = __array__ = item = tolist = tobytes = _no_number
 
@@ -153,10 +158,11 @@ class Traced(NDArrayOperatorsMixin):
 
     def astype(self, dtype: Any, *_: Any, **__: Any) -> "Traced":
         if np.dtype(dtype) != self.dtype:
-            raise fail(f"astype({np.dtype(dtype)}): the arithmetic changes within the function, which is not followed")
+            raise fail(f"astype({np.dtype(dtype)}) is not followed: it changes the arithmetic within the function; "
+                       "keep the type of the rays")
         return self._like(np.copy)
 
-    # ---- what numpy asks ----
+    # ---- called by numpy ----
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         out = options.pop("out", (None,))[0]
@@ -173,7 +179,8 @@ class Traced(NDArrayOperatorsMixin):
         if out is None:
             return made
         if not isinstance(out, Traced):
-            raise fail("the result goes to a plain array (out=, or `a += b` with a plain a) and cannot be followed")
+            raise fail("the result is written to a plain array (out=, or `a += b` with a plain a) and cannot be "
+                       "followed; write a = a + b")
         out.value, out.nodes, out.valid = (np.broadcast_to(a, out.shape).copy()
                                            for a in (made.value, made.nodes, made.valid))
         return out
@@ -181,24 +188,24 @@ class Traced(NDArrayOperatorsMixin):
     def __array_function__(self, function: Any, types: Any, arguments: Any, options: Any) -> Any:
         run = known.get(function)
         if run is None:
-            raise fail(f"np.{function.__name__} is not followed; known are arithmetic, sqrt, where, minimum, maximum, "
-                       "sum, dot, einsum, cross, norm, comparisons, masks, and what moves items")
+            raise fail(f"np.{function.__name__} is not followed; use arithmetic, sqrt, where, minimum, maximum, sum, "
+                       "dot, einsum, cross, norm, comparisons, masks, or functions that only move items")
         return run(*arguments, **options)
 
 
 def _mask_of(key: Any) -> Traced | None:
-    """The decision that an index is; None of an index of places."""
+    """The mask if an index is one, or None for plain indices."""
     if isinstance(key, Traced):
         if key.dtype != bool:
             raise fail("an index that depends on the rays is not followed; write a mask")
         return key
     if isinstance(key, tuple) and any(isinstance(k, Traced) for k in key):
-        raise fail("a mask beside other indices is not followed; write a[mask]")
+        raise fail("a mask together with other indices is not followed; write a[mask]")
     return None
 
 
 def _each(value: Any, parts: list[Any], one: Callable[..., tuple[int, int]]) -> Traced:
-    """An array of that value, whose items `one` makes of those of the parts: the place and the decision of each."""
+    """An array with the given value. `one` returns node and decision of each item from the same item of the parts."""
     nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
     parts = [np.broadcast_to(part, value.shape) for part in parts]
     for i in np.ndindex(value.shape):
@@ -207,7 +214,7 @@ def _each(value: Any, parts: list[Any], one: Callable[..., tuple[int, int]]) -> 
 
 
 def traced(x: Any, dtype: Any) -> Traced:
-    """Constants too: their items are operations of the list."""
+    """`x` as a Traced. The items of a constant become operations of the tape."""
     if isinstance(x, Traced):
         return x
     value = np.asarray(x) if dtype is None else np.asarray(x, dtype=dtype)
@@ -232,19 +239,19 @@ def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
     if name == "power":
         return _power(*inputs)
     with np.errstate(all="ignore"):
-        # One item has a type of its own; a constant is weak beside arrays.
+        # Scalars are passed as Python numbers, whose type gives way to that of an array, as numpy's constants do.
         given = [x.value if x.ndim or x.value.dtype == bool else x.value[()].item() for x in inputs]
         value = np.asarray(ufunc(*given))
     if value.dtype not in (bool, written.dtype):
-        raise fail(f"np.{name} gives {value.dtype} of rays of {written.dtype}: an array of another type takes part; "
-                   "make constants of arrays with the type of the rays (np.array(…, dtype=o.dtype))")
+        raise fail(f"np.{name} gives {value.dtype}, but the rays are {written.dtype}: an array of another type takes "
+                   "part; give arrays of constants the type of the rays (np.array(…, dtype=o.dtype))")
     n = len(inputs)
     return _each(value, [x.nodes for x in inputs] + [x.valid for x in inputs],
                  lambda *items: _one(written, name, list(items[:n]), list(items[n:])))
 
 
 def _one(written: Tape, name: str, a: list[int], valid: list[int]) -> tuple[int, int]:
-    """One item: its place in the list, and under which decision it is a number."""
+    """Records an operation for one item. Returns its node and the decision under which it is a number."""
     all_valid = functools.reduce(written.both, valid, ALWAYS)
     if name in _plain:
         return written.add(_plain[name], *a), all_valid
@@ -272,21 +279,22 @@ def _one(written: Tape, name: str, a: list[int], valid: list[int]) -> tuple[int,
     if name in ("isnan", "isfinite"):
         valid_now = written.both(all_valid, written.add("less_equal", a[0], a[0]))
         return (written.opposite(valid_now) if name == "isnan" else valid_now), ALWAYS
-    raise fail(f"np.{name} is not followed: it is not a correctly rounded operation of IEEE 754, or not one of ours")
+    raise fail(f"np.{name} is not followed: IEEE 754 does not require it to be correctly rounded, or lostbits has no "
+               "such operation")
 
 
 def _power(base: Traced, exponent: Traced) -> Traced:
     power = exponent.value.item() if exponent.size == 1 else None
     of = {2: np.square, 1: np.positive, 0.5: np.sqrt, -1: np.reciprocal}.get(power)
     if of is None:
-        raise fail("a power other than 2, 1, 0.5 and -1 is not followed")
+        raise fail("a power other than 2, 1, 0.5 and -1 is not followed; write it as products")
     return elementwise(of, [base])
 
 
 def where(condition: Any, a: Any = None, b: Any = None) -> Traced:
-    """np.where: a nan on one side is the decision of a miss, and no operation."""
+    """np.where. A nan on one side stands for the decision "miss" and is not an operation."""
     if a is None or b is None:
-        raise fail("np.where with one argument gives places, which are not followed; write np.where(condition, a, b)")
+        raise fail("np.where with one argument gives indices, which are not followed; write np.where(condition, a, b)")
     written = tape()
     m, x, y = traced(condition, None), traced(a, None), traced(b, None)
     with np.errstate(all="ignore"):

@@ -1,4 +1,4 @@
-// A headless Chromium on pages from files, and what went wrong while they were there.
+// Opens pages from files in a headless Chromium, and collects what goes wrong on them.
 "use strict";
 
 const fs = require("node:fs");
@@ -9,30 +9,28 @@ const candidates =
     ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 const executable = () => process.env.LOSTBITS_CHROMIUM || candidates.find((c) => fs.existsSync(c));
 
-/** What the tests need and this machine lacks, in a sentence; nothing when all is there. */
+/** Returns a sentence about what this machine lacks for the tests, or "" if nothing is missing. */
 function missing() {
     try {
         require("playwright-core");
-    } catch { return "playwright-core is not in node_modules (npm ci puts it there)"; }
+    } catch { return "playwright-core is not in node_modules; npm ci installs it"; }
     if (!executable())
-        return "no Chromium is installed (package chromium-headless-shell), or name one in LOSTBITS_CHROMIUM";
+        return "Chromium is missing; install chromium-headless-shell, or set LOSTBITS_CHROMIUM to another one";
     return "";
 }
 
-/**
- * Milliseconds after which what does not come will not: a machine with other work takes far longer than an idle one.
- */
+/** Time limit in milliseconds for everything that is waited for. A busy machine takes far longer than an idle one. */
 const patience = 600000;
 
-/** A browser; with `bars` its pages have bars to scroll by. */
+/** Starts a browser. With `bars`, its pages have scroll bars. */
 const launch = (bars = true) => require("playwright-core").chromium.launch({
     timeout: patience,
     executablePath: executable(),
-    args: ["--no-sandbox"],  // root, in CI, has no sandbox
+    args: ["--no-sandbox"],  // root, as in CI, has no sandbox
     ignoreDefaultArgs: bars ? ["--hide-scrollbars"] : []
 });
 
-/** The page of a file, with lists of what it asked for and what it complained about; `scripts`: whether they run. */
+/** Opens a file as a page, with lists of its requests and complaints. `scripts`: true to run its scripts. */
 async function open(browser, file, { hash = "", scripts = true, width = 1280, height = 900 } = {}) {
     const context = await browser.newContext({ javaScriptEnabled: scripts, viewport: { width, height } });
     context.setDefaultTimeout(patience);
@@ -48,7 +46,7 @@ async function open(browser, file, { hash = "", scripts = true, width = 1280, he
 
 const stateOf = (page) => page.evaluate(() => ({...state }));
 
-/** Once all that was asked for is drawn: of keys, links and pointers too, which are told of it a little later. */
+/** Waits until everything is drawn, also after keys, links and pointers, whose events arrive a little later. */
 const settled = (page) => page.evaluate(async () => {
     await new Promise((done) => setTimeout(done, 40));
     for (let last = null; last !== drawing;) {
@@ -58,29 +56,29 @@ const settled = (page) => page.evaluate(async () => {
     }
 });
 
-/** Follows a link inside of the page. */
+/** Follows a link within the page. */
 async function follow(page, hash) {
     await page.evaluate((hash) => void (location.hash = hash), hash);
     await settled(page);
 }
 
-/** Another window: the page draws itself anew a tenth of a second later. */
+/** Resizes the window. The page redraws a tenth of a second later. */
 async function resize(page, width, height) {
     await page.setViewportSize({ width, height });
     await page.waitForTimeout(120);
     await settled(page);
 }
 
-/** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
+/** Compares to six digits, and ulps to a millionth, since the page keeps t* - RN64(t*) as a float. */
 const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
 
-/** What stands in an element's box on the page, in pixels. */
+/** The box of an element on the page, in pixels. */
 const boxOf = (page, selector) => page.$eval(selector, (e) => {
     const { left, right, top, bottom } = e.getBoundingClientRect();
     return { left, right, top, bottom };
 });
 
-/** By how many pixels the page is wider than its window. */
+/** Pixels by which the page is wider than its window. */
 const sticksOut = (page) =>
     page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 

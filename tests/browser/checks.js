@@ -1,5 +1,6 @@
-// node checks.js PROGRAM DATA FOLDER [PROMISE...]: makes pages, and holds them to every promise, or to those named (of
-// the pages that lie there then). One browser for all; each promise has pages of its own.
+// node checks.js PROGRAM DATA FOLDER [PROMISE...]: makes pages in FOLDER and checks every promise on them. With
+// PROMISE, checks only those promises, on the pages that are already there. All use one browser; each promise opens its
+// own pages.
 "use strict";
 
 const assert = require("node:assert/strict");
@@ -19,7 +20,7 @@ const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.
 const grids = ["sphere-height", "box-boundary", "extremes/contact"],
       gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
-/** A scene of one sphere, `depth` in front of the eye (below 0: behind it), with a title that nobody foresaw. */
+/** A scene of one sphere, `depth` in front of the eye (below 0: behind it), with an extreme title. */
 const oddScene = (width, height, depth) =>
     `schema = "lostbits-scene/1"
 title = "A title with <b>markup</b>, ${
@@ -38,7 +39,7 @@ centre = [0, 0, ${
 radius = 1
 `;
 
-/** A sweep of the laboratory with other numbers, in that file. */
+/** Writes a shipped sweep with other numbers to a file. */
 function changedSweep(file, name, changes) {
     let text = fs.readFileSync(path.join(data, "sweeps", `${name}.toml`), "utf8");
     for (const [key, was, is] of changes) {
@@ -50,14 +51,14 @@ function changedSweep(file, name, changes) {
 }
 
 /**
- * `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes,
- * `grids` cell by cell with `lostbits sweep`; `large` is timed; `taped` has rays of every kind; `odd` is what nobody
- * would make on purpose.
+ * Makes the pages. `report` is a typical page. `small` is compared pixel by pixel with files of `lostbits map`, and
+ * `grids` cell by cell with files of `lostbits sweep`. `large` is timed. `taped` has rays of every kind. `odd` has
+ * extreme inputs.
  */
 function makePages() {
     fs.rmSync(folder, { recursive: true, force: true });
     fs.cpSync(data, at("data"), { recursive: true });
-    // A quarter of its rays: each of its cells is looked at, and its claims hold of them too.
+    // A quarter of its rays is enough: all cells are checked, and the claims still hold.
     changedSweep("data/sweeps/sphere-height.toml", "sphere-height", [["views", 256, 64]]);
     fs.writeFileSync(at("data/scenes/few.toml"), oddScene(16, 12, 5));
     const page = (name, ...args) => lostbits("report", ...args, "-o", at(name));
@@ -70,12 +71,12 @@ function makePages() {
     page("large", "near-benign", ...one, "--size", "512x512", "--no-claims");
     page("taped", ...operations.taped);
     page("grids", ...grids, ...gridForms, ...two, ...once);
-    // Commands with this path stand on the page, whose window is narrower than the path.
+    // The page shows commands with this path, which is wider than the window.
     const far = `odd/${"no_place_to_break_it_".repeat(4)}`;
     fs.mkdirSync(at(far), { recursive: true });
     fs.writeFileSync(at(`${far}/one-pixel.toml`), oddScene(1, 1, 5));
     fs.writeFileSync(at(`${far}/no-hit.toml`), oddScene(24, 16, -5));
-    // In numbers that are worked out one at a time: a few rays a step are enough to look at.
+    // Numbers of these formats are computed one at a time, so a few rays per step must do.
     const plane = changedSweep("odd/sphere-height.toml", "sphere-height", [["views", 256, 1]]),
           steps = changedSweep("odd/sdf-max-steps.toml", "sdf-max-steps", [["views", 256, 16], ["steps", 64, 16]]);
     page(
@@ -95,13 +96,13 @@ function makePages() {
     map("map", "near-benign", "world-offset", ...forms, ...three, ...drawn(...columns, "culprit"), "--pixels", "csv");
     map("map", "sdf-sphere", ...forms, ...march, ...three, ...drawn(...columns, "iterations", "stop"), "--pixels",
         "csv");
-    // Of all forms: each operation of any of them has a colour of its own.
+    // All forms together, because the colours depend on the operations of all of them.
     map("pictures", "near-benign", ...forms, ...three, ...drawn("lost_bits", "ulp_error", "culprit"), "--pictures",
         "all");
     map("pictures", "sdf-sphere", ...march, "-f", "f32", ...drawn("iterations", "stop"), "--pictures", "all");
 }
 
-/** Holds pages to a promise; whether they kept it. */
+/** Checks a promise. Returns true if the pages keep it. */
 async function keeps(browser, name, promise) {
     const begun = Date.now(), opened = [];
     const opens = async (page, options) => {
@@ -130,7 +131,7 @@ async function main() {
         (file) => Object.entries(require(`./${file}.js`).promises));
     const unknown = named.filter((name) => !all.some(([known]) => known === name));
     if (unknown.length > 0)
-        throw new Error(`no promise is called ${unknown}; there are ${all.map(([known]) => known).join(", ")}`);
+        throw new Error(`unknown promise ${unknown}; known are ${all.map(([known]) => known).join(", ")}`);
     if (named.length === 0) makePages();
     const asked = all.filter(([name]) => named.length === 0 || named.includes(name)), browser = await launch();
     let kept = 0;

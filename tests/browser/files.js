@@ -1,9 +1,9 @@
-// The files that the page is held against, read without any code of the page.
+// Reads the files that the page is compared with, without any code of the page.
 "use strict";
 
 const fs = require("node:fs");
 
-/** RFC 4180, as objects by column. */
+/** Reads a CSV file by RFC 4180. Returns an object of columns for each row. */
 function readCsv(file) {
     const rows = [[]];
     for (const [, quoted, plain, end] of fs.readFileSync(file, "utf8")
@@ -17,10 +17,9 @@ function readCsv(file) {
 }
 
 /**
- * Whether a field of colours (0xRRGGBB, or null for any) lies somewhere in a PNG, as a browser decodes it, but for
- * `most` of its cells, in one of these ways: cell k in column k % columns, `w` and `h` pixels wide and high, of which
- * the one at
- * (`at`, `at`) is looked at.
+ * Returns true if a field of colours (0xRRGGBB, or null for any) lies somewhere in a PNG, as a browser decodes it. At
+ * most `most` cells may differ. It may lie there in one of several `ways`: cell k is in column k % columns, each cell
+ * is `w` x `h` pixels, and its pixel at (`at`, `at`) is compared.
  */
 const liesIn = (page, file, cells, ways, most = 0) => page.evaluate(async ([base64, cells, ways, most]) => {
     const image = Object.assign(new Image(), { src: `data:image/png;base64,${base64}` });
@@ -42,7 +41,7 @@ const liesIn = (page, file, cells, ways, most = 0) => page.evaluate(async ([base
     return false;
 }, [fs.readFileSync(file, "base64"), cells, ways, most]);
 
-/** A cell of a CSV, or what JSON has for a number. */
+/** Reads a number from a cell of a CSV, or from the value that JSON has for it. */
 function readNumber(cell) {
     if (cell === "" || cell === "nan" || cell === null) return NaN;
     return cell === "inf" ? Infinity : cell === "-inf" ? -Infinity : Number(cell);

@@ -1,4 +1,4 @@
-// What the page promises a reader: where to begin, what belongs together, what is withheld, what can be told apart.
+// Promises of the page to a reader: where to begin, what belongs together, what is withheld, what is distinguishable.
 "use strict";
 
 const assert = require("node:assert/strict");
@@ -20,15 +20,15 @@ const rgbOf = (text) =>
                             text.match(/\d+/g).slice(0, 3).map(Number));
 
 /**
- * The first paragraph says what the page is and what to do first; what a scene shows stands open; neither half of a
- * wide window is left blank.
+ * The first paragraph says what the page is and what to do first. The description of a scene is open. Neither half of
+ * a wide window is blank.
  */
 async function opening({ open }) {
     const page = await open("report");
     const first = await page.locator("main, header").first().locator("p").first().innerText();
     assert.match(first, /^This page shows where ray intersectors lose significand bits/);
     assert.match(first, /First, choose a scene and a form under Maps and point at the picture/);
-    // Of a page without maps it names what is there, and its end counts nothing else.
+    // A page without maps names its contents, and its end counts nothing else.
     const grids = await open("grids");
     assert.match(await grids.locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
     assert.match(await grids.locator("#made").innerText(), /^The command\s+3 sweeps\. Made by:/);
@@ -51,7 +51,7 @@ async function opening({ open }) {
     await contrasts(page);
 }
 
-/** Claims stand by subject, closed, sorted and filtered by the keyboard alone. */
+/** Claims are grouped by subject and closed. The keyboard alone sorts and filters them. */
 async function subjects({ open }) {
     const page = await open("report", { width: 400, height: 800 });
     const subject = page.locator("details.subject"), count = await subject.count();
@@ -65,7 +65,7 @@ async function subjects({ open }) {
 
     await page.locator("#open-claims").press("Enter");
     assert.equal(await page.locator("details.subject[open]").count(), count);
-    // By the number that was measured, up and down again.
+    // Sort by the measured number, up and then down.
     const measured = () => page.$$eval("table.claims tbody", (bodies) => bodies.map((b) => {
         const said = [...b.rows].map((r) => r.dataset.measured).filter((x) => x !== "");
         return said.map((x) => Number(asNumber(x)));
@@ -79,7 +79,7 @@ async function subjects({ open }) {
     await head.locator("button").press("Enter");
     assert.ok(rising(await measured(), -1));
     assert.ok((await measured()).some((l) => new Set(l).size > 2));
-    // On a narrow page, where there are no heads of columns, by the picker.
+    // A narrow page has no heads of columns, so the picker sorts.
     await resize(page, 400, 800);
     await page.selectOption("#pick-order", "measured");
     assert.ok(rising(await measured(), 1));
@@ -95,7 +95,7 @@ async function subjects({ open }) {
     assert.equal(await page.locator("details.subject[open]").count(), 0);
 }
 
-/** A and B: on the picture, in the pickers, on the small pictures and in the words. */
+/** A and B are marked on the picture, in the pickers, on the small pictures and in the text. */
 async function halves({ open }) {
     const page = await open("report", { hash: `${schoolbook}&other=sphere.unified.f64&split=0.5&x=128&y=128` });
     await settled(page);
@@ -118,7 +118,7 @@ async function halves({ open }) {
     assert.equal(await page.locator(".half:visible").count(), 0);
 }
 
-/** Small pictures of a row begin at one height, their names at another, and say why they have no quantile. */
+/** Small pictures of a row start at the same height, and so do their names. They say why they have no quantile. */
 async function thumbnails({ open }) {
     const page = await open("report", { hash: schoolbook });
     await settled(page);
@@ -144,7 +144,7 @@ async function thumbnails({ open }) {
     };
     for (const text of await words()) assert.doesNotMatch(text, /agree:|too few/);
     assert.match((await words())[0], /p99 [\d.]+ of 24 bits lost/);
-    // A form that agrees on less than a tenth of the hits has no quantile that stands for it.
+    // A form that agrees on less than a tenth of the hits has no representative quantile.
     const agreed = await page.evaluate(() => {
         const row = rowNow();
         row.true_hits = 11 * row.outcomes[agreeHit];
@@ -157,8 +157,8 @@ async function thumbnails({ open }) {
 }
 
 /**
- * Forms with the same values share a line that says so; lines have names at their ends, gaps where quantiles are
- * withheld, and a shade where an ulp of the distance is as wide as the sphere. No legend of boxes.
+ * Forms with the same values share a line that says so. Lines have names at their ends, gaps where quantiles are
+ * withheld, and a shade where an ulp of the distance is as wide as the sphere. There is no legend.
  */
 async function lines({ open }) {
     const page =
@@ -207,16 +207,16 @@ async function lines({ open }) {
     assert.ok(drawn.values > 5);
     assert.notDeepEqual(drawn.shade, drawn.left);
     assert.ok(drawn.ends > 200, `${drawn.ends} pixels of names`);
-    // The number itself is still there to be read, with why it is not drawn.
+    // The number can still be read, with the reason why it is not drawn.
     await page.evaluate(() => goTo({ u: 0 }));
     await settled(page);
     assert.match(
         await page.locator("#sweep-facts tr[data-fact=lost_bits_p99] td").first().innerText(),
         /, but only \d+ of 1000000000 hits agree$/);
-    // Names keep apart, and lie on nothing else.
+    // Names overlap neither each other nor anything else.
     const places = await page.evaluate(() => spreadOut([50, 50, 50, 200, 199], 14, 0, 300));
     assert.deepEqual(places.map(Math.round), [36, 50, 64, 193, 207]);
-    // The pointer has the numbers of its step.
+    // Pointing at a step shows its numbers.
     await page.evaluate(() => {
         document.getElementById("sweep-plot").scrollIntoView();
         return goTo({ u: -1 });
@@ -228,7 +228,7 @@ async function lines({ open }) {
     assert.ok(await page.locator("#sweep-facts table").isVisible());
 }
 
-/** Lines and words can be told from the page they are on, light or dark: 3 to 1 and 4.5 to 1 of WCAG 2. */
+/** Contrast to the page, light and dark, is at least 3 to 1 for lines and 4.5 to 1 for text, by WCAG 2. */
 async function contrasts(page) {
     for (const colorScheme of ["light", "dark"]) {
         await page.emulateMedia({ colorScheme });
@@ -248,7 +248,7 @@ async function contrasts(page) {
     }
 }
 
-/** What is copied as a claim has room about the number that was measured, and says what that was. */
+/** A copied claim has an interval around the measured number, and states the number. */
 async function margins({ open }) {
     const page =
         await open("report", { hash: `${schoolbook}&metric=lost_bits&sweep=${sweep}&statistic=lost_bits_p99` });

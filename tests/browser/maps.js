@@ -1,12 +1,11 @@
-// What the page promises of maps: every pixel, colour and key, held by a browser against files that other commands
-// wrote.
+// Promises of the page about maps. A browser compares every pixel, colour and key with files that other commands wrote.
 "use strict";
 
 const assert = require("node:assert/strict");
 const { follow, near, schoolbook, settled, stateOf } = require("./browser.js");
 const { liesIn, readCsv, readNumber } = require("./files.js");
 
-/** Every pixel of every row is what the CSV says. */
+/** Every pixel of every row equals that of the CSV. */
 async function pixels({ open, at }) {
     const page = await open("small");
     const maps = await page.evaluate(
@@ -43,7 +42,7 @@ async function pixels({ open, at }) {
                     `${where()}: ${texts}; the CSV has ${Object.values(row).join(" ")}`);
                 map.metrics.forEach(([metric, categories], m) => {
                     if (row[metric] === undefined) return;
-                    // In tables an apostrophe stands before what a spreadsheet would take for a formula.
+                    // Tables put an apostrophe before text that a spreadsheet would take for a formula.
                     const word = row[metric].replace(/^'/, "");
                     const expected = categories && word !== "" ? categories.indexOf(word) : readNumber(row[metric]);
                     assert.ok(
@@ -60,7 +59,7 @@ async function pixels({ open, at }) {
         assert.ok(compared[metric] > 1000, `${metric}: ${compared[metric]} compared`);
 }
 
-/** The field on the page is the field in the PNG, colour by colour, whatever is around it there. */
+/** The field on the page equals the field in the PNG, colour by colour, whatever is around it there. */
 async function colours({ open, at }) {
     const page = await open("small");
     const cases = [
@@ -79,15 +78,15 @@ async function colours({ open, at }) {
             return { columns: canvas.width, rgb };
         }, [id, form, format, metric]);
         const png = at(`pictures/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
-        // ulp and kappa are floats on the page: a value may stand on the other side of the border between two steps of
-        // the ramp.
+        // The page keeps ulp and kappa as floats, so a value may fall on the other side of a border between two
+        // colours.
         assert.ok(
             await liesIn(page, png, rgb, [{ columns, w, h: w, at: 0 }], rgb.length * 1e-4),
             `${id} ${form} ${format} ${metric}: other colours than in the PNG`);
     }
 }
 
-/** The inspector of a pixel is the row of the CSV; the large picture has the pixel's colour. */
+/** The inspector of a pixel shows the row of the CSV. The large picture has the pixel's colour. */
 async function inspector({ open, at }) {
     const csv = readCsv(at("map/near-benign/sphere.schoolbook.f32.csv")),
           wide = readCsv(at("map/near-benign/sphere.schoolbook.f64.csv"));
@@ -107,7 +106,7 @@ async function inspector({ open, at }) {
     const miss = csv.find((row) => row.outcome === "agree_miss");
     await page.evaluate(([x, y]) => goTo({ x, y }), [Number(miss.x), Number(miss.y)]);
     assert.match(await page.locator("#inspector").innerText(), /truly misses/);
-    // A click chooses what lies under it; pointing at something else says so in a line.
+    // A click chooses the pixel under it. A line says when the pointer is on another one.
     const box = await page.locator("#map").boundingBox();
     await page.mouse.click(box.x + box.width * 0.25, box.y + box.height * 0.5);
     const chosen = await stateOf(page);
@@ -138,7 +137,7 @@ async function keyboard({ open }) {
     const worst = await press("w");
     assert.deepEqual({ x: worst.x, y: worst.y }, await page.evaluate(() => ({...rowNow().worst })));
     assert.equal((await press("Escape")).x, -1);
-    // Tab reaches the pickers, the picture and the buttons; each has a name.
+    // Tab reaches the pickers, the picture and the buttons. Each has a name.
     const unnamed = await page.evaluate(
         () => [...document.querySelectorAll("button, select, input, canvas[tabindex]")]
                   .filter(
@@ -149,7 +148,7 @@ async function keyboard({ open }) {
     await zoom(page);
 }
 
-/** The small pictures show the part that the large one shows. */
+/** The small pictures show the same part as the large one. */
 async function zoom(page) {
     const pane = (key) =>
               page.evaluate((key) => document.querySelector(`.pane[data-row="${key}"] canvas`).toDataURL(), key),
@@ -177,7 +176,7 @@ async function zoom(page) {
     assert.equal((await stateOf(page)).format, "f64");
 }
 
-/** Left of the border the one form, right of it the other. */
+/** The picture shows one form left of the border and the other right of it. */
 async function compare({ open }) {
     const page = await open("report", { hash: `${schoolbook}&other=sphere.unified.f32&split=0.5` });
     const differing = () => page.evaluate(async () => {

@@ -1,5 +1,5 @@
-// The rays whose operations the page holds: which they are, the way to them, and that what is shown of them is what
-// `lostbits explain` says of the same ray.
+// Promises about the rays whose operations the page holds: their choice, the way to them, and that the page shows the
+// same as `lostbits explain` for the same ray.
 "use strict";
 
 const assert = require("node:assert/strict");
@@ -8,7 +8,10 @@ const { settled, stateOf } = require("./browser.js");
 
 const size = "24x18";
 
-/** Forms of spheres and boxes, in formats of every engine, from cameras of every kind, with inputs shared and own. */
+/**
+ * Arguments of a page with forms of spheres and boxes, formats of every engine, cameras of every kind, and inputs both
+ * shared and own.
+ */
 const taped = [
     ...["near-benign", "rtg-fig-7-4.r1e6", "camera-inside", "world-offset-own", "raycast-course.small", "box-octree"],
     ...["sphere.schoolbook", "sphere.expanded", "sphere.unit_half_b", "sphere.early_exit", "sphere.pbrt_interval",
@@ -71,14 +74,14 @@ async function chosen({ open }) {
         return found;
     });
     assert.deepEqual(seen.wrong, []);
-    // A map of few rays names the culprit of each without being asked to.
+    // A map of few rays names the culprit of each ray by default.
     const culprits = await page.evaluate(
         async () => (await pixelsOf(index.maps[0], index.maps[0].rows[0])).stored.culprit.filter((c) => c > 0).length);
     assert.ok(culprits > 20, `${culprits} culprits`);
     assert.ok(seen.rows > 100 && seen.rays > 1000 && seen.medians > 75, JSON.stringify(seen));
 }
 
-/** Rays of a page with what is shown of each: sentences, cells, exact values, marks. */
+/** Rays of a page with everything that is shown of each: sentences, cells, exact values, marks. */
 const shownOf = (page, every) => page.evaluate(async (every) => {
     const picked = [];
     let k = 0;
@@ -109,7 +112,7 @@ const shownOf = (page, every) => page.evaluate(async (every) => {
     return picked;
 }, every);
 
-/** A row of the page against the operation of the JSON, bit by bit, and against the line of the text. */
+/** Compares a row of the page with the operation in the JSON, bit by bit, and with the line of the text. */
 function compare(row, operation, line, where) {
     const [name, , computed, exact, off, cancelled, local, own, share] = row.cells, place = `${where}, ${name}`;
     if (typeof operation.computed === "boolean")
@@ -133,12 +136,12 @@ function compare(row, operation, line, where) {
         operation.turned && operation.rounding !== 0, row.cells[1].endsWith("chose the other side"), place);
 }
 
-/** Holds a ray's table and sentences against `explain`, the text and the JSON; how many operations it has. */
+/** Compares a ray's table and sentences with the text and the JSON of `explain`. Returns its number of operations. */
 function hold(ray, lostbits, options) {
     const where = `${ray.id} --pixel ${ray.x},${ray.y} -i ${ray.form} -f ${ray.format}`;
     const asked = ["explain", ray.id, ...options, "--pixel", `${ray.x},${ray.y}`, "-i", ray.form, "-f", ray.format];
     const text = lostbits(...asked), { operations } = JSON.parse(lostbits(...asked, "--json"));
-    // The page asks no other forms, so it has none that do better.
+    // The page tries no other forms, so it names none that do better.
     const lines = text.replace(/\n {54}/g, "   ").replaceAll(" Other forms do better (see below).", "").split("\n");
     const table =
         lines.slice(lines.findIndex((line) => line.startsWith("  operation ")) + 1).filter((line) => / = /.test(line));
@@ -152,7 +155,7 @@ function hold(ray, lostbits, options) {
     return ray.rows.length;
 }
 
-/** What is shown of a held ray is what `lostbits explain` says of it, bit by bit. */
+/** The page shows the same about a held ray as `lostbits explain`, bit by bit. */
 async function table({ open, lostbits }) {
     let operations = 0, culprits = 0, turned = 0;
     const rays = await shownOf(await open("taped"), 4);
@@ -170,7 +173,7 @@ async function table({ open, lostbits }) {
 
 const oblique = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32";
 
-/** Every held ray can be reached by the mouse and by the keyboard, and what is shown says whose it is. */
+/** The mouse and the keyboard reach every held ray, and the table says to which ray it belongs. */
 async function reach({ open, lostbits }) {
     const page = await open("report", { hash: oblique });
     const rays = await page.evaluate(() => raysOf(mapNow(), rowNow())), [first] = rays;
@@ -184,7 +187,7 @@ async function reach({ open, lostbits }) {
         assert.equal(await shown.locator("[aria-pressed=true]").getAttribute("id"), `ray-${x}-${y}`);
         assert.match(await page.locator("#inspector h3").innerText(), new RegExp(`Pixel ${x}, ${y}$`));
     };
-    for (const ray of rays.filter((_, k) => (rays.length - 1 - k) % 3 === 0)) {  // the last is one of them
+    for (const ray of rays.filter((_, k) => (rays.length - 1 - k) % 3 === 0)) {  // includes the last one
         await page.locator(`#ray-${ray.x}-${ray.y}`).click();
         await isShown(ray);
     }
@@ -199,9 +202,9 @@ async function reach({ open, lostbits }) {
         await page.keyboard.press("Enter");
         await isShown(ray);
         assert.equal(await page.evaluate(() => document.activeElement.id), `ray-${ray.x}-${ray.y}`);
-        await page.keyboard.press("Tab");  // to the next of them
+        await page.keyboard.press("Tab");  // to the next ray
     }
-    // Of another pixel there is no table, but the way to the nearest, and the command.
+    // Another pixel has no table, but a link to the nearest one that has, and the command.
     const beside = rays.some((r) => r.x === first.x + 1 && r.y === first.y) ? -1 : 1;
     await page.evaluate(([x, y]) => goTo({ x, y }), [first.x + beside, first.y]);
     await settled(page);
@@ -217,7 +220,7 @@ async function reach({ open, lostbits }) {
     const now = await stateOf(page);
     assert.ok(text.includes(`1 pixel away: pixel ${now.x}, ${now.y} (`), `${now.x}, ${now.y}: ${text}`);
     assert.equal(await page.locator("#operations table").count(), 1);
-    // A link restores the table; so does one to a pixel beside it what is said there.
+    // A link restores the table. A link to a pixel beside it restores the text that is shown there.
     const again = await open("report", { hash: `${oblique}&x=${first.x}&y=${first.y}` });
     await again.locator("#operations table").waitFor();
     assert.equal(await again.locator("#operations caption").innerText(), `The ray of pixel ${first.x}, ${first.y}`);

@@ -1,10 +1,10 @@
-// What the page promises of one's own result: it comes first, fits, names its worst ray, and is seen in the dark.
+// Promises of the page about the user's own result: it comes first, fits, names its worst ray, and has a dark style.
 "use strict";
 
 const assert = require("node:assert/strict");
 const { boxOf, resize, settled, sticksOut, sweep } = require("./browser.js");
 
-/** One's own result comes first: maps before claims, claims before the command; a map is as wide as there is room. */
+/** The user's result comes first: maps before claims, claims before the command. A map uses the full width. */
 async function order({ open }) {
     const page = await open("report");
     const sections = await page.$$eval("main > section", (all) => all.map((e) => e.id));
@@ -19,7 +19,7 @@ async function order({ open }) {
         assert.ok(map.right <= view.right + 1, `${width}: the map ends at ${map.right} of ${view.right}`);
         assert.ok(wide >= (width >= 1000 ? 0.55 : 0.97) * room, `${width}: the map takes ${wide} of ${room}`);
     }
-    // Two scenes of one title are told apart, and others are not burdened with a name.
+    // Two scenes with the same title also have their names; other scenes do not.
     const names = async () => page.$$eval("#pick-scene option", (all) => all.map((e) => e.textContent));
     assert.ok((await names()).every((name) => !name.includes("(near-benign)")));
     await page.evaluate(() => {
@@ -29,7 +29,7 @@ async function order({ open }) {
     const both = await names();
     assert.equal(new Set(both).size, both.length, `${both}`);
     assert.ok(both[0].endsWith("(near-benign)") && both[1].endsWith("(rtg-fig-7-3-4100-oblique)"), `${both}`);
-    // Without a title it has its file's name.
+    // A scene without a title has its file's name.
     await page.evaluate(() => {
         index.maps[0].title = index.maps[1].title = "";
         return goTo({});
@@ -38,7 +38,7 @@ async function order({ open }) {
 }
 
 /**
- * Below the map stands its worst pixel, with a command that explains it, of a scene of one's own too; a click on the
+ * Below the map is its worst pixel, with a command that explains it, also for a scene of the user. A click on the
  * button goes there.
  */
 async function worst({ open, lostbits }) {
@@ -50,14 +50,14 @@ async function worst({ open, lostbits }) {
         const now = await page.evaluate(() => [state.x, state.y]);
         assert.deepEqual(now, [Number(x), Number(y)]);
         assert.match(lostbits(...command.split(" ")), /sphere\.schoolbook in f32/);
-        // It is the one that the program takes for the worst.
+        // It is the same pixel that the program calls the worst.
         const [, named] = command.match(/^explain (.*) --pixel/),
                  told = lostbits("explain", named, "--worst", "-i", "sphere.schoolbook", "-f", "f32");
         assert.ok(told.startsWith(`Pixel ${x},${y}, the worst of `), told.slice(0, 80));
     }
 }
 
-/** At 400 pixels the table of operations has a bar to scroll it by, and a word that it goes on. */
+/** At a width of 400 pixels the table of operations has a scroll bar, and a text says that there is more. */
 async function sideways({ open }) {
     const hash = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32";
     const atWorst = async (size) => {
@@ -81,7 +81,7 @@ async function sideways({ open }) {
     assert.ok(await wide.locator("#operations .sideways").isHidden());
 }
 
-/** In the dark no plot is white paper: those that are pictures turn over, and drawn ones have the page's ground. */
+/** In the dark style no plot has a white ground: pictures are inverted, and drawn plots have the page's ground. */
 async function dark({ open }) {
     const bare = await open("report", { scripts: false });
     const filters = (where) => bare.locator(where).evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
@@ -93,7 +93,7 @@ async function dark({ open }) {
         assert.ok(all.length > 0, where);
         assert.ok(all.every((f) => f.startsWith("invert(0.9)")), `${where}: ${all}`);
     }
-    // Colours of maps are numbers: they stay.
+    // Colours of maps mean numbers, so they do not change.
     const kept = await filters("#maps img, #offsets img");
     assert.ok(kept.length > 0 && kept.every((f) => !f.includes("invert")), `${kept}`);
     const page = await open("report");
@@ -111,8 +111,8 @@ async function dark({ open }) {
 }
 
 /**
- * The page of `lostbits mend` begins with what it is; lines that go and lines that come look different, in the dark
- * too.
+ * The page of `lostbits mend` begins by saying what it is. Removed and added lines look different, also in the dark
+ * style.
  */
 async function mended({ open, at }) {
     const page = await open("mend/box-slabs");
@@ -130,7 +130,8 @@ async function mended({ open, at }) {
 }
 
 /**
- * Shares stand on a log axis with 0 below it, a form's line looks the same whatever stands beside it, axes are words.
+ * Fractions have a log axis with 0 below it. A form's line looks the same whatever is beside it. Axes have labels in
+ * words.
  */
 async function shares({ open }) {
     const page =
@@ -155,13 +156,13 @@ async function shares({ open }) {
     assert.equal(seen.text.at(-1), "1");
     assert.equal(seen.axis, "tangent of the angle to the axis");
     assert.equal(new Set(seen.looks.map(([, look]) => look)).size, seen.looks.length);
-    // Alone on its page, and among others: the same line.
+    // A form alone on its page and among others has the same line.
     const only =
         await open("odd/sweep", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
     const [alone] = await only.evaluate(() => sweepParts.groups.map((g) => [g.colour, g.dash, g.rows[0].look]));
     const look = seen.looks.find(([form]) => form === "sphere.unified")[1];
     assert.deepEqual(alone, await page.evaluate((look) => [lineLook(look).colour, lineLook(look).dash, look], look));
-    // All looks that there are differ.
+    // All styles of lines differ.
     const looks = await page.evaluate(() => Array.from({ length: 48 }, (_, k) => JSON.stringify(lineLook(k))));
     assert.equal(new Set(looks).size, 48);
 }

@@ -1,5 +1,5 @@
-// node tests/browser/screenshots.js REPORT.html FOLDER: the pictures of reports/screenshots, from a page as a browser
-// shows it.
+// node tests/browser/screenshots.js REPORT.html FOLDER: takes the pictures of reports/screenshots from a page in a
+// browser.
 "use strict";
 
 const path = require("node:path");
@@ -36,7 +36,7 @@ async function main([report, folder]) {
         for (const view of views) {
             const page = await open(browser, report, { hash: view.hash, height: view.height });
             if (view.at) await page.$eval(view.at, (e) => e.scrollIntoView());
-            await page.waitForTimeout(300);  // the small pictures come after the large one
+            await page.waitForTimeout(300);  // the small pictures are drawn after the large one
             await page.screenshot({ path: path.join(folder, view.name + ".png") });
             await page.context().close();
         }

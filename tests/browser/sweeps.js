@@ -1,11 +1,11 @@
-// What the page promises of sweeps, planes, cases and trades.
+// Promises of the page about sweeps, planes, cases and trades.
 "use strict";
 
 const assert = require("node:assert/strict");
 const { settled, stateOf, sweep } = require("./browser.js");
 const { liesIn, readCsv } = require("./files.js");
 
-/** The plot's numbers are those of samples.csv, and a line leads to its form's map. */
+/** The plot's numbers equal those of samples.csv, and a line leads to its form's map. */
 async function sweeps({ open, at }) {
     const page = await open("report", { hash: `#sweep=${sweep}` });
     assert.ok(await page.locator("#sweep-plot canvas").count() > 0, "no plot");
@@ -32,7 +32,7 @@ async function sweeps({ open, at }) {
     await page.selectOption("#pick-statistic", "excess_bits_p99");
     await settled(page);
     assert.notEqual(await ink(), before);
-    // With the keyboard alone: a step, and its numbers.
+    // The keyboard alone reaches a step and its numbers.
     await page.selectOption("#pick-statistic", "lost_bits_p99");
     for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) await page.locator("#sweep-plot").press(key);
     await settled(page);
@@ -52,7 +52,7 @@ async function trade({ open }) {
     const page = await open("report", { hash: "#shape=sphere" });
     assert.ok(await page.locator("#trade-plot canvas").count() > 0, "no plot");
     const [x, y] = await page.evaluate(() => {
-        // With a map of its own, and apart from all others: times vary, and any two may lie on one another.
+        // Chooses a point that has a map and is apart from all others. Times vary, so any two points may overlap.
         const { plot, points } = tradeParts,
                              at = (q) => [plot.valToPos(q.time_ns, "x"), plot.valToPos(q.kept_bits, "y")],
                              away = (p, q) => Math.hypot(at(q)[0] - at(p)[0], at(q)[1] - at(p)[1]),
@@ -68,7 +68,7 @@ async function trade({ open }) {
     const named = await page.evaluate(() => tradeParts.under.form);
     await page.mouse.click(x, y);
     assert.equal((await stateOf(page)).form, named);
-    // Names of the front lie on no point and on no other name.
+    // Names of points on the front overlap neither points nor other names.
     const covered = await page.evaluate(() => {
         const { plot, points, named } = tradeParts, boxes = named.map((n) => n.box);
         const on = ([x, y, w, h], [a, b, c, d]) => x < a + c && a < x + w && y < b + d && b < y + h;
@@ -82,7 +82,7 @@ async function trade({ open }) {
     });
     assert.ok(covered.names > 0);
     assert.deepEqual([covered.points, covered.others], [0, 0]);
-    // By the keyboard: from point to point by time, Enter for the map of one that has a map here.
+    // Keys go from point to point by time. Enter opens the map of a point that has a map here.
     const walked = [],
           under = () =>
               page.evaluate(() => [tradeParts.under.time_ns, tradeParts.under.form, Boolean(mapOf(tradeParts.under))]);
@@ -101,7 +101,7 @@ async function trade({ open }) {
 
 const exact = (cell) => (cell === "" ? "NaN" : String(Number(cell)));
 
-/** What the page holds of a grid, each cell with its place, its numbers and its colour. */
+/** The cells of a grid on the page, each with its position, its numbers and its colour. */
 function gridOf(page, id) {
     return page.evaluate(async (id) => {
         const sweep = await sweepOf(id), plane = sweep.kind === "plane",
@@ -138,7 +138,7 @@ function compareRow(row, csv, placeOf) {
         const sample = byPlace.get(cell.place), where = `${row.form} ${row.format} at ${cell.place}`;
         assert.ok(sample, `${where} is not in the CSV`);
         for (const [outcome, n] of Object.entries(cell.outcomes))
-            assert.equal(String(n), sample[outcome] ?? "0", `${where}: ${outcome}`);  // those of meshes are no columns
+            assert.equal(String(n), sample[outcome] ?? "0", `${where}: ${outcome}`);  // meshes have no columns
         for (const [statistic, value] of Object.entries(cell.values))
             assert.equal(value, exact(sample[statistic]), `${where}: ${statistic}`);
         assert.equal(cell.verdict, sample.verdict);
@@ -148,7 +148,7 @@ function compareRow(row, csv, placeOf) {
 
 const packed = (colour) => colour && (colour[0] << 16) | (colour[1] << 8) | colour[2];
 
-/** Every cell of every row is what samples.csv says, in the colour of the PNG. */
+/** Every cell of every row equals that of samples.csv, and has the colour of the PNG. */
 async function planes({ open, at }) {
     const page = await open("grids"), rows = await gridOf(page, "sphere-height"),
           csv = readCsv(at("sweep/sphere-height/samples.csv"));
@@ -157,7 +157,7 @@ async function planes({ open, at }) {
         compared += compareRow(row, csv, (c) => [c.radius, c.height].map((x) => String(Number(x))).join(" "));
     assert.equal(compared, csv.length);
     assert.ok(compared > 4000 && rows.some((row) => row.cells.some((c) => Number(c.values.lost_bits_p99) > 10)));
-    const columns = 26, lines = 46;  // of sphere-height: 22 and 10 pixels a cell in the PNG
+    const columns = 26, lines = 46;  // of sphere-height; a cell is 22 x 10 pixels in the PNG
     for (const row of rows) {
         const cells =
             Array.from({ length: lines }, (_, j) => row.cells.slice(j * columns, (j + 1) * columns)).reverse();
@@ -169,7 +169,7 @@ async function planes({ open, at }) {
     }
 }
 
-/** Every case under every form and convention is what cases.csv says, in the colour of the PNG. */
+/** Every case with every form and convention equals that of cases.csv, and has the colour of the PNG. */
 async function cases({ open, at }) {
     const page = await open("grids");
     for (const [id, picture] of [["box-boundary", "matrix.closed.png"], ["contact", "matrix.png"]]) {
@@ -178,7 +178,7 @@ async function cases({ open, at }) {
         assert.equal(compared, csv.length);
         const judged = rows.filter((row) => row.judged === rows[0].judged && row.format === "f32"),
               cells = judged[0].cells.flatMap((_, k) => judged.map((row) => packed(row.cells[k].colour))),
-              // The widths of a column depend on what is written in the cells.
+              // The width of a column depends on the text in its cells.
             ways = Array.from({ length: 34 }, (_, k) => ({ columns: judged.length, w: 26 + k, h: 22, at: 1 }));
         assert.ok(
             await liesIn(page, at(`sweep/${id}/${picture}`), cells, ways), `${id}: other colours than in the PNG`);
@@ -186,7 +186,7 @@ async function cases({ open, at }) {
 }
 
 /**
- * Pointing, clicking, keys and links choose a cell; the read-out has its exact numbers; what is drawn has its colour.
+ * Pointing, clicking, keys and links choose a cell. The read-out has its exact numbers, and the drawn cell its colour.
  */
 async function walk({ open, at }) {
     const csv = readCsv(at("sweep/sphere-height/samples.csv"));
@@ -222,7 +222,7 @@ async function walk({ open, at }) {
     await press("m");
     assert.equal((await stateOf(page)).statistic, "lost_bits_max");
     assert.deepEqual(await pixel(), await colour());
-    // A link restores it; a click chooses what lies under the pointer; Escape lets it go.
+    // A link restores the choice. A click chooses the cell under the pointer. Escape clears the choice.
     const again = await open("grids", { hash: await page.evaluate(() => location.hash) });
     assert.deepEqual(await stateOf(again), await stateOf(page));
     assert.equal(await again.locator("#sweep-facts").innerText(), await page.locator("#sweep-facts").innerText());
@@ -240,7 +240,7 @@ async function walk({ open, at }) {
     assert.deepEqual([(await stateOf(page)).u, (await stateOf(page)).v], [20, 40]);
     await check();
     assert.deepEqual([(await press("Escape")).u, (await press("["))["line"]], [-1, "sphere.schoolbook.f32"]);
-    // Among cases left and right change the form; box forms are chosen beside maps that have none.
+    // In cases, the left and right keys change the form. Box forms can be chosen although no map has them.
     await page.evaluate(() => goTo({ sweep: "box-boundary", statistic: "", u: -1, v: -1 }));
     await press("ArrowDown");
     assert.equal((await press("ArrowRight")).line, "box.signs.f32");
@@ -250,7 +250,7 @@ async function walk({ open, at }) {
     await page.selectOption("#pick-judged", "open");
     assert.match(await page.locator("#sweep-facts caption").innerText(), /judged by the open primitive/);
     assert.deepEqual(
-        page.complaints.filter((c) => !c.startsWith("Canvas2D")), []);  // that one is about reading pixels back, here
+        page.complaints.filter((c) => !c.startsWith("Canvas2D")), []);  // it warns of reading pixels back, as here
 }
 
 exports.promises = {

@@ -1,4 +1,4 @@
-// What the page promises as a whole: links, claims, copies, and what is left without scripts.
+// Promises of the whole page: links, claims, copies, and what works without scripts.
 "use strict";
 
 const assert = require("node:assert/strict");
@@ -7,7 +7,7 @@ const os = require("node:os");
 const path = require("node:path");
 const { follow, schoolbook, settled, stateOf, sticksOut } = require("./browser.js");
 
-/** No request, no complaint, and the policy forbids both scripts and requests of others. */
+/** The page makes no request and no complaint, and its policy forbids scripts and requests of others. */
 async function alone({ open }) {
     const page = await open("report");
     for (const key of ["m", "]", "ArrowRight", "+"]) await page.locator("#map").press(key);
@@ -23,7 +23,7 @@ async function alone({ open }) {
     assert.deepEqual(refused, { ran: false, fetched: false });
 }
 
-/** A link restores the view, one to what is not there says so, and backwards goes back. */
+/** A link restores the view. A link to something that does not exist says so. Going back works. */
 async function link({ open }) {
     const page = await open("report", {
         hash: `${
@@ -44,7 +44,7 @@ async function link({ open }) {
     assert.deepEqual(page.complaints, []);
 }
 
-/** A claim leads to its pixel or its plot; the filter leaves what it says. */
+/** A claim leads to its pixel or its plot. The filter keeps what it says. */
 async function claims({ open }) {
     const page = await open("report");
     await page.locator("#open-claims").click();
@@ -66,8 +66,8 @@ async function claims({ open }) {
 }
 
 /**
- * Claims over planes and cases lead to their cell, those without a picture here name the command, and no link leads
- * nowhere.
+ * Claims about planes and cases lead to their cell. Claims without a picture here name the command. Every link has a
+ * target.
  */
 async function places({ open, at }) {
     const page = await open("grids");
@@ -98,7 +98,7 @@ async function places({ open, at }) {
         });
         assert.ok(found.rows > 5, `${found.rows} claims`);
         assert.deepEqual(found, { rows: found.rows, silent: [], noted: [] });
-        // Without scripts a link leads to the part of the page that has the numbers.
+        // Without scripts, a link leads to the part of the page with the numbers.
         const html = fs.readFileSync(at(`${name}/index.html`), "utf8");
         for (const [, anchor] of html.matchAll(/<a class="jump" href="#([^"]*)"/g))
             assert.ok(html.includes(`id="${anchor}"`), `${anchor} leads nowhere`);
@@ -106,7 +106,7 @@ async function places({ open, at }) {
     }
 }
 
-/** Rays that the claims' links lead to are held. */
+/** The page holds the operations of the rays that links of claims lead to. */
 async function holdsNamedRays(page) {
     const { asked, missing } = await page.evaluate(async () => {
         const found = { asked: 0, missing: [] };
@@ -125,7 +125,7 @@ async function holdsNamedRays(page) {
     assert.ok(asked > 5, `${asked} links`);
 }
 
-/** What is copied runs: the command makes the map, the claims measure as stated. */
+/** Copied text runs: the command makes the map, and the claims measure what they state. */
 async function copies({ open, lostbits }) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lostbits-copies-"));
     try {
@@ -165,7 +165,7 @@ async function copies({ open, lostbits }) {
     } finally { fs.rmSync(folder, { recursive: true }); }
 }
 
-/** Without scripts: counts, tables and pictures are there to be read. */
+/** Without scripts, counts, tables and pictures can still be read. */
 async function plain({ open }) {
     const page = await open("report", { scripts: false });
     const text = await page.locator("body").innerText();
@@ -178,7 +178,7 @@ async function plain({ open }) {
     const pictures = await page.locator("img:visible").count();
     assert.ok(pictures >= 4, `${pictures} pictures`);
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
-    // Every format has its plots, and planes and cases theirs.
+    // Every format has its plots, and so have planes and cases.
     const alts = await page.locator("#sweeps img").evaluateAll((images) => images.map((i) => i.alt));
     for (const format of ["f32", "f64"])
         assert.equal(
@@ -191,8 +191,8 @@ async function plain({ open }) {
 }
 
 /**
- * Pages that nobody foresaw, in a narrow window, in the dark and by the keyboard alone: nothing sticks out, nothing
- * complains, every key answers.
+ * Extreme pages, in a narrow window, in the dark style and with the keyboard alone: nothing sticks out, nothing
+ * complains, every key works.
  */
 async function odd({ open, at }) {
     let page;
@@ -230,8 +230,8 @@ async function odd({ open, at }) {
 }
 
 /**
- * 512 x 512 rays with six layers: below 3 MB, and no culprits that nobody asked for. How soon it is ready is printed,
- * since other tests run beside it.
+ * A page of 512 x 512 rays with six layers is below 3 MB and has culprits only if asked for. The time until it is ready
+ * is only printed, since other tests run beside it.
  */
 async function ready({ open, at }) {
     const { size } = fs.statSync(at("large/index.html")), page = await open("large");

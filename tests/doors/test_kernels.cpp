@@ -70,13 +70,13 @@ TEST_CASE("kernels: what cannot run is told in a sentence, and nothing is writte
         int code;
     };
     for (const Fault& fault : std::initializer_list<Fault>{
-             {"OCL_ICD_VENDORS=/nonexistent ", program + " " + kernel + "'", "no OpenCL device answers", 3},
+             {"OCL_ICD_VENDORS=/nonexistent ", program + " " + kernel + "'", "no OpenCL device was found", 3},
              {"", program + " " + wrong + "'", "does not compile, see above", 2},
              {"", program + " " + other + "'", "has no kernel `intersect`", 2},
-             {"", program + " no-such-file.cl'", "no-such-file.cl: cannot read, or empty", 2},
+             {"", program + " no-such-file.cl'", "no-such-file.cl: cannot be read, or is empty", 2},
              {"", program + "'", "usage: opencl_sphere FILE.cl", 2},
-             {"NO_CARD=1 ", " --pipe " LOSTBITS_CUDA_STAND_IN, "no CUDA card answers", 3},
-             {"NO_MEMORY=1 ", " --pipe " LOSTBITS_CUDA_STAND_IN, "CUDA cannot take memory: out of memory", 3}}) {
+             {"NO_CARD=1 ", " --pipe " LOSTBITS_CUDA_STAND_IN, "no CUDA card was found", 3},
+             {"NO_MEMORY=1 ", " --pipe " LOSTBITS_CUDA_STAND_IN, "CUDA cannot allocate memory: out of memory", 3}}) {
         const Scratch folder;
         const Outcome o = run("map near-benign --size 32x24 -f f32 -o out" + patient + fault.pipe, folder.path(),
                               kept_in(kernels) + fault.before);

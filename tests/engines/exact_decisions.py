@@ -1,13 +1,14 @@
-"""The decisions of examples/shards/ten-billion.toml, in whole numbers and without a line of lostbits.
+"""Computes the decisions of examples/shards/ten-billion.toml in whole numbers, without any code of lostbits.
 
-    exact_decisions.py counts BINADES.csv [FIRST LAST]   holds every count of hits of a merged result to the exact one
-    exact_decisions.py rays N SEED OUT.raw               writes N random rays of the sweep, with what each must decide
+    exact_decisions.py counts BINADES.csv   compares every count of hits in a merged result with the exact one
+    exact_decisions.py rays N SEED OUT.raw  writes N random rays of the sweep, with the right decision for each
 
-A ray o + t d meets the closed ball |p - c| <= r at some t >= 0 where, with v = o - c, A = |d|^2, B = v.d and
-C = |v|^2 - r^2, B^2 >= A C, and the far root (-B + sqrt(B^2 - A C)) / A is not negative: B <= 0 or C <= 0. Every float is
-a whole number of 2^-149, so all of it is exact. The places from which a ray of one direction meets a ball are the ball
-and what lies behind it along the direction, a convex set: those on the line of the eyes follow each other, and the
-first and the last are found by bisection.
+Let v = o - c, A = |d|^2, B = v.d and C = |v|^2 - r^2. A ray o + t d hits the closed ball |p - c| <= r at some t >= 0 if
+B^2 >= A C and the far root (-B + sqrt(B^2 - A C)) / A is not negative, that is B <= 0 or C <= 0. Every float is a whole
+multiple of 2^-149, so these tests are exact.
+
+The origins from which a ray of one direction hits a ball are the ball and all points from which the ball lies ahead.
+They form a convex set, so those on the line of the eyes are consecutive. Bisection finds the first and the last.
 """
 import csv
 import random
@@ -32,11 +33,11 @@ def whole(x):
 SCALED_CENTRE = [whole(x) for x in CENTRE]
 SCALED_RADIUS_SQUARED = whole(RADIUS) ** 2
 SCALED_ORIGIN = {name: [whole(x) for x in yz] for name, (yz, _) in RAYS.items()}
-FOUR_TIMES = {name: [int(4 * x) for x in d] for name, (_, d) in RAYS.items()}  # quarters are the finest of them
+FOUR_TIMES = {name: [int(4 * x) for x in d] for name, (_, d) in RAYS.items()}  # their numbers are multiples of 1/4
 
 
 def hits(name, x):
-    """Whether the ray from x, a finite float, meets the ball."""
+    """Returns True if the ray from x, a finite float, hits the ball."""
     v = [at - c for at, c in zip([whole(x), *SCALED_ORIGIN[name]], SCALED_CENTRE)]
     d = FOUR_TIMES[name]
     a = sum(x * x for x in d)
@@ -50,7 +51,7 @@ def float_of(bits):
 
 
 def from_order(k):
-    """The k-th finite float counted from zero: negative k are the negative floats."""
+    """Returns the k-th finite float counted from zero. Negative k give the negative floats."""
     return float_of(k) if k >= 0 else -float_of(-k)
 
 
@@ -60,7 +61,7 @@ def order_of(x):
 
 
 def edge(name, inside, outside):
-    """The last k between `inside`, which hits, and `outside`, which may not."""
+    """Returns the last k that hits, from `inside`, which hits, towards `outside`, which may not."""
     if hits(name, from_order(outside)):
         return outside
     while abs(outside - inside) > 1:
@@ -76,15 +77,15 @@ LARGEST = 0x7F7FFFFF
 
 
 def hitting(name):
-    """The first and the last k that hit."""
+    """Returns the first and the last k that hit."""
     inside = [k for k in range(-LARGEST, LARGEST, 0x2000) if hits(name, from_order(k))]
     if not inside:
-        raise SystemExit(f"{name}: no place is known from which it hits")
+        raise SystemExit(f"{name}: no origin that hits was found among every 8192nd float; use a finer step")
     return edge(name, inside[0], -LARGEST), edge(name, inside[-1], LARGEST)
 
 
 def count(name, span, low, high):
-    """How many floats with low <= k <= high hit; zero is one float."""
+    """Counts the floats with low <= k <= high that hit. Zero is one float."""
     return max(0, min(span[1], high) - max(span[0], low) + 1)
 
 
@@ -101,7 +102,7 @@ def check_counts(path):
             exact = count(row["ray"], spans[row["ray"]], *ends) if row["binade"] != "-0" else int(hits(row["ray"], 0.0))
         if truly != exact:
             wrong += 1
-            print(f"{row['form']} {row['ray']} {row['binade']}: {truly} hits, and exactly {exact}")
+            print(f"{row['form']} {row['ray']} {row['binade']}: {truly} hits, but the exact count is {exact}")
     print(f"{rays} rays, {wrong} of the counts differ")
     return wrong
 

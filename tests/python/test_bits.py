@@ -1,4 +1,4 @@
-"""The arrays of the package are the program's files, to the bit."""
+"""Tests that the arrays of the package equal the files of the program, to the bit."""
 
 import csv
 import os
@@ -36,7 +36,7 @@ class Bits(unittest.TestCase):
         return {(row["form"], row["format"]): row for row in self.rows(*path)}
 
     def dump(self, o, d, **columns):
-        """A file of these rays, all numbers of one type."""
+        """Writes a file of these rays, with all numbers of one type. Returns its path."""
         path = os.path.join(self.out, "own.npy")
         names = ["ox", "oy", "oz", "dx", "dy", "dz"]
         rays = np.empty(len(o), dtype=[(name, o.dtype) for name in names] +
@@ -49,7 +49,7 @@ class Bits(unittest.TestCase):
         return path
 
     def hold_table(self, table, rows, without=()):
-        """Every column of a file is one of the table, number for number and text for text."""
+        """Compares every column of a file with that of the table, number for number and text for text."""
         self.assertEqual(len(rows), len(table))
         names = [name for name in rows[0] if name not in without]
         self.assertGreater(len(names), 5)
@@ -119,7 +119,7 @@ class Bits(unittest.TestCase):
         self.assertGreater(as_numbers(rows, "tolerance_beyond")[0], 0)
         self.assertGreater(as_numbers(rows, "tolerance_within")[0], 0)
         self.assertGreater(as_numbers(rows, "enough_bits_too_few")[0], 0)
-        # The certified truth of the same ranges, in every bit that the file has of it.
+        # The certified truth of the same ranges, in every bit that the file has.
         rows = self.rows("own", "file.own.f32.csv")
         truth = lb.truth(o, d, spheres, tmin=tmin, tmax=tmax, open_ends="tmax")
         exact = np.array([float.fromhex(row["truth_hex"]) if row["truth_hex"] else np.nan for row in rows])
@@ -197,7 +197,7 @@ class Bits(unittest.TestCase):
             self.assertEqual(off, float(files[key]["distance_error"]))
             self.assertEqual(bool(c.candidates["meets"][i]), off <= 1e-6 and c.candidates["wrong"][i] == 0)
         self.assertGreater(c.candidates["distance_error"].max(), 1e-7)
-        # It is |t - t*| times the length of the direction, of the worst hit.
+        # distance_error is |t - t*| times the length of the direction, at the worst hit.
         on = lb.scene("near-benign")
         o, d, spheres = on.arrays()
         pixels = lb.map(on, "sphere.unified", "f32", "distance_error", progress=False).pixels["sphere.unified", "f32"]
@@ -238,7 +238,7 @@ class Bits(unittest.TestCase):
             for column in range(4):
                 self.assertEqual(table[f"M{row}{column}"][0], move[row, column])
         self.assertEqual(s.arrays("triangle", np.float64)[2].shape, (1, 9))
-        # The exact image of the vertices under the stored matrix, in fractions, and where the ray meets its plane.
+        # Exact image of the vertices under the stored matrix, in fractions, and the point where the ray meets it.
         o, d = rng.normal(size=(300, 3)) * 3, rng.normal(size=(300, 3))
         image = [[sum(F(m) * F(x) for m, x in zip(row[:3], v)) + F(row[3]) for row in move[:3]] for v in vertices]
         minus = lambda a, b: [x - y for x, y in zip(a, b)]
@@ -284,7 +284,7 @@ class Bits(unittest.TestCase):
             disc = b * b - a * (c - 1)
             self.assertEqual(bool(truth.hit[i]), disc >= 0 and -b > 0 or c <= 1)
             if truth.hit[i] and c > 1:
-                # a t + b = -sqrt(disc): squared, t's error shows to first order.
+                # a t + b = -sqrt(disc). Squaring it gives the error of t to first order.
                 t = F(truth.t[i]) + F(truth.t_lo[i])
                 off = ((a * t + b) ** 2 - disc) / (2 * a * (a * t + b)) if disc else F(0)
                 self.assertLess(abs(off), abs(t) / 2**70)

@@ -1,4 +1,4 @@
-"""Unchanged numpy functions, from public code in style, are followed: same culprits as the C++ forms."""
+"""Tests that unchanged numpy functions, in the style of public code, get the same culprits as the C++ forms."""
 
 import inspect
 import os
@@ -89,13 +89,13 @@ class Blame(unittest.TestCase):
         triangle = np.array([[-0.9, -0.8, 0.3, 1.1, -0.7, 0.11, 0.2, 1.3, -0.4]])
         scene = lb.scene(camera=camera, triangles=triangle, size=(128, 128))
         own, others = self.hold_culprits(moller_in_order, "triangle.moller_trumbore", scene, "f32", 1000)
-        # What the function calls `inverse` the form calls `1/det`.
+        # `inverse` of the function is `1/det` of the form.
         self.assertEqual([x and x.replace("inverse", "1/det") for x in own.ravel()], list(others.ravel()))
 
     def test_einsum_is_followed_in_the_order_that_numpy_has(self):
         scene = lb.scene("rtg-fig-7-3-4100-oblique", size=(64, 64))
         for format in ("f32", "f64"):
-            e = lb.explain(schoolbook, scene, (30, 30), format)  # its own bits are held to it on the scene's rays
+            e = lb.explain(schoolbook, scene, (30, 30), format)  # refused if its bits differ on the scene's rays
             self.assertTrue(e.operations)
         camera = {"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}
         triangles = lb.scene(camera=camera, triangles=[[-1, -1, 0, 1, -1, 0, 0, 1, 0]])
@@ -111,7 +111,7 @@ class Blame(unittest.TestCase):
             self.assertGreater(a.hit.sum(), 50)
         m = lb.map("near-benign", [with_masks, "sphere.schoolbook"], "f32", ["model_error", "rounding_error"],
                    progress=False)
-        for metric in ("model_error", "rounding_error"):  # against the formula without rounding
+        for metric in ("model_error", "rounding_error"):  # measured from the formula without rounding
             np.testing.assert_array_equal(m.pixels["with_masks", "f32"][metric],
                                           m.pixels["sphere.schoolbook", "f32"][metric])
 
@@ -134,7 +134,7 @@ class Blame(unittest.TestCase):
         names = 0
         for row in m.operations:
             name = row["operation"].split(" = ")[0]
-            if name in ("a", "b", "c", "disc", "root"):  # as the function calls it, where it does
+            if name in ("a", "b", "c", "disc", "root"):  # the names that the function gives
                 self.assertIn(f" {name} = ", source[row["line"] - 1])
                 names += 1
         self.assertGreater(names, 1)
@@ -191,7 +191,7 @@ class Blame(unittest.TestCase):
 
         with self.assertRaises(lb.Unfollowed) as caught:
             lb.explain(lb.intersector("sphere")(changes), "near-benign", (100, 90))
-        self.assertIn("was not followed", str(caught.exception))
+        self.assertIn("some operation was not recorded", str(caught.exception))
 
     def test_a_branch_for_the_whole_batch_is_refused_with_its_line(self):
         def branches(o, d, centre, radius):
@@ -201,7 +201,7 @@ class Blame(unittest.TestCase):
                 return -b
             return c
 
-        self.hold_refused(branches, "asks all rays at once")
+        self.hold_refused(branches, "decides for all rays at once")
         with self.assertRaises(lb.Unfollowed) as caught:
             lb.explain(lb.intersector("sphere")(branches), "near-benign", (100, 90))
         self.assertIn(f":{branches.__code__.co_firstlineno + 3}: ", str(caught.exception))
@@ -241,7 +241,7 @@ class Blame(unittest.TestCase):
 
 
 def _in_order(name, shape, function):
-    """The same text with sums along the last axis, which numpy adds in their order."""
+    """The same function with sums along the last axis, which numpy adds in order."""
     source = inspect.getsource(function.function)
     source = source[source.index("def "):]
     for pair in ("d, d", "f, d", "f, f", "e1, p", "s, p", "d, q", "e2, q"):

@@ -1,4 +1,4 @@
-"""The code of docs/python.md runs, and says what the page says of it."""
+"""Tests that the code of docs/python.md runs and gives what the page says."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""What a renderer writes with lostbits_dump.h is what `judge` reads."""
+"""Tests that `judge` reads what a renderer writes with lostbits_dump.h."""
 
 import csv
 import os
@@ -11,7 +11,7 @@ import numpy as np
 import lostbits as lb
 
 
-# A solid of each shape that the ray from (0, 0, 9) down meets.
+# A primitive of each shape that is hit by the ray from (0, 0, 9) along -z.
 SOLIDS = {
     "sphere": (0, 0, 0, 1), "box": (-1, -1, -1, 1, 1, 1), "triangle": (-1, -1, 0, 1, -1, 0, 0, 1, 0),
     "ellipsoid": (0, 0, 0, 1, 2, 3), "cylinder": (0, 0, -1, 0, 0, 1, 0.5), "capsule": (0, 0, -1, 0, 0, 1, 0.5),
@@ -51,7 +51,7 @@ class Dump(unittest.TestCase):
             self.assertEqual(set(rays["id"]), {0, 1, 2})
             o, d, spheres = (np.stack([rays[name] for name in names], axis=1) for names in
                              (("ox", "oy", "oz"), ("dx", "dy", "dz"), ("cx", "cy", "cz", "radius")))
-            # No record is torn by the two threads: the first bounce begins at the eye, and each t is that of its ray.
+            # The two threads tear no record: the first bounce starts at the eye, and each t belongs to its ray.
             self.assertTrue((o[rays["id"] == 0] == np.float32([0, -9, 1])).all())
             f = o - spheres[:, :3]
             a, b, c = np.sum(d * d, 1), 2 * np.sum(f * d, 1), np.sum(f * f, 1) - spheres[:, 3] * spheres[:, 3]

@@ -1,4 +1,4 @@
-"""Natural mistakes: each an exception with one clear sentence. And Ctrl-C."""
+"""Tests that each natural mistake raises an exception with one clear sentence, and that Ctrl-C ends a call."""
 
 import os
 import signal
@@ -44,22 +44,22 @@ class Mistakes(unittest.TestCase):
             ("o is a list", lambda: lb.truth([[0, 0, 5]], D, S)),
             ("o is a float", lambda: lb.truth(0.5, D, S)),
             ("give both", lambda: lb.truth(O, None, S)),
-            ("o has shape (50, 2); it is n x 3", lambda: lb.truth(O[:, :2], D, S)),
+            ("o has shape (50, 2); it must be (n, 3)", lambda: lb.truth(O[:, :2], D, S)),
             ("d has 49 rows and o has 50", lambda: lb.truth(O, D[1:], S)),
             ("o is an array of int64", lambda: lb.truth(O.astype(np.int64), D, S)),
             ("o is an array of float16", lambda: lb.truth(O.astype(np.float16), D, S)),
-            ("other order (>f4)", lambda: lb.truth(O.astype(">f4"), D, S)),
+            ("byte order of this machine (>f4)", lambda: lb.truth(O.astype(">f4"), D, S)),
             ("o is empty", lambda: lb.truth(O[:0], D[:0], S)),
             ("solids has shape (1, 3)", lambda: lb.truth(O, D, S[:, :3])),
             ("solids is None", lambda: lb.truth(O, D, None)),
             ("solids has 1 rows and o has 50", lambda: lb.truth(O, D, S, paired=True)),
-            ("shape is 'ball'; it is one of sphere", lambda: lb.truth(O, D, S, shape="ball")),
+            ("shape is 'ball'; it must be one of sphere", lambda: lb.truth(O, D, S, shape="ball")),
             ("ray 0: ox is nan", lambda: lb.truth(O * np.float32(np.nan), D, S)),
             ("direction is zero", lambda: lb.truth(O, D * 0, S)),
             ("radius", lambda: lb.truth(O, D, -S)),
             ("give hit too", lambda: lb.judge(O, D, T - 9, None, S)),
-            ("hit is an array of int64; it is of booleans", lambda: lb.judge(O, D, T, np.ones(N, np.int64), S)),
-            ("t has shape (50, 1); it is n", lambda: lb.judge(O, D, T[:, None], None, S)),
+            ("hit is an array of int64; it must be of booleans", lambda: lb.judge(O, D, T, np.ones(N, np.int64), S)),
+            ("t has shape (50, 1); it must be (n,)", lambda: lb.judge(O, D, T[:, None], None, S)),
             ("direction is 'units'", lambda: lb.judge(O, D, T, None, S, direction="units")),
             ("open_ends is \"left\"; write none", lambda: lb.truth(O, D, S, tmin=T, open_ends="left")),
             ("tmin is -4", lambda: lb.truth(O, D, S, tmin=-T)),
@@ -99,18 +99,18 @@ class Mistakes(unittest.TestCase):
             (lb.NothingSelected, "no form matches", lambda: lb.map("near-benign", "cube.*")),
             (lb.InputError, "here it is \"f32\"", lambda: lb.map("near-benign", "sphere.*", "float32")),
             (lb.InputError, "takes 4 arrays: o, d, centre, radius", lambda: lb.intersector("sphere")(lambda o, d: o)),
-            (lb.InputError, "write the shape", lambda: lb.intersector(lambda o, d: o)),
-            (lb.InputError, "is a function; say what it meets first", lambda: lb.map("near-benign", np.sqrt)),
-            (lb.InputError, "a scene is a name", lambda: lb.map(3)),
+            (lb.InputError, "the shape is missing", lambda: lb.intersector(lambda o, d: o)),
+            (lb.InputError, "is a plain function; say which shape", lambda: lb.map("near-benign", np.sqrt)),
+            (lb.InputError, "the scene is an int; give a name", lambda: lb.map(3)),
             (lb.InputError, "no name and no camera", lambda: lb.scene(spheres=S)),
-            (lb.InputError, "no solids", lambda: lb.scene(camera={"kind": "pinhole"})),
+            (lb.InputError, "no primitives", lambda: lb.scene(camera={"kind": "pinhole"})),
             (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera=CAMERA, spheres=[[0, 0, 0]])),
             (lb.InputError, "fov_deg", lambda: lb.scene(camera={"kind": "pinhole", "eye": [0, 0, 5],
              "look_at": [0, 0, 0]}, spheres=S)),
-            (lb.InputError, "pixel is (column, row)", lambda: lb.explain("sphere.press", "near-benign", 3)),
+            (lb.InputError, "it must be (column, row)", lambda: lb.explain("sphere.press", "near-benign", 3)),
             (lb.InputError, "700", lambda: lb.explain("sphere.press", "near-benign", (700, 3))),
-            (lb.InputError, "a scene is a name", lambda: lb.sweep(3)),
-            (lb.InputError, "by has items without an order",
+            (lb.InputError, "the scene is an int; give a name", lambda: lb.sweep(3)),
+            (lb.InputError, "the items of by cannot be sorted",
              lambda: lb.judge(O, D, T, None, S, by=np.array([None] * N))),
             (lb.InputError, "spheres is not an array of numbers",
              lambda: lb.scene(camera=CAMERA, spheres=[[0, 0, 0, 1], [1]])),
@@ -129,7 +129,7 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "name one form and one format", lambda: lb.mend("sphere.*", "near-benign", 6)),
             (lb.InputError, "each format makes the rays of this scene",
              lambda: lb.mend("sphere.press", lb.scene("camera-far.endless", set="camera.rays=\"bevy\""), 6)),
-            (lb.InputError, "no wish is given", lambda: lb.choose("near-benign")),
+            (lb.InputError, "the requirement is missing", lambda: lb.choose("near-benign")),
             (lb.InputError, "metrics lost_bit", lambda: lb.map("near-benign", "sphere.press", metrics="lost_bit")),
             (lb.InputError, "formats", lambda: lb.map("near-benign", "sphere.press", "f16")),
             (lb.InputError, "strategies", lambda: lb.offsets("near-benign", strategies="none such")),
@@ -138,12 +138,12 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "size is 48", lambda: lb.scene("near-benign", size=48)),
             (lb.InputError, "set sphere", lambda: lb.scene("near-benign", set="sphere[0].radios=1")),
             (lb.InputError, "p50, p99", lambda: lb.choose("near-benign", 16, at="p101")),
-            (lb.InputError, "mesh: the array of faces has float64",
+            (lb.InputError, "mesh: the array of faces is of float64",
              lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0.5, 1, 2]]))),
             (lb.InputError, "face 0 names vertex 3", lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[1, 2, 3]]))),
             (lb.InputError, "mesh: the array of vertices has shape (3, 2)",
              lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3)[:, :2], [[0, 1, 2]]))),
-            (KeyError, "no sphere.press in f64", 
+            (KeyError, "no table for sphere.press in f64", 
              lambda: lb.map("near-benign", "sphere.press", "f32").pixels["sphere.press", "f64"]),
             (AttributeError, "no column 'lost_bit'",
              lambda: lb.map("near-benign", "sphere.press", "f32").summary.lost_bit),
@@ -173,7 +173,7 @@ class Mistakes(unittest.TestCase):
                                    env=dict(os.environ))
         self.assertEqual(started.stdout.readline(), "begins\n")
 
-        def computed():  # seconds of a processor, which pass on an idle machine alone as those of a clock
+        def computed():  # processor seconds; on a busy machine they pass more slowly than clock seconds
             with open(f"/proc/{started.pid}/stat", encoding="ascii") as file:
                 ticks = file.read().rpartition(")")[2].split()[11:13]
             return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")

@@ -1,4 +1,4 @@
-"""Threads, forks, the end of the interpreter, memory that a function keeps, and numbers that C's types do not hold."""
+"""Tests threads, forks, the end of the interpreter, memory that a function keeps, and numbers too large for C types."""
 
 import multiprocessing
 import os
@@ -41,13 +41,13 @@ def rows_of_a_map(forms):
 
 
 def run(program, **how):
-    """Ends by itself, or is ended with the test by what watches that."""
+    """Runs a program. No time limit is needed, since the watch over the test also ends the program."""
     return subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, **how)
 
 
 class Threads(unittest.TestCase):
     def test_one_fresh_function_in_many_threads(self):
-        # In a process of its own: what went wrong here was a crash.
+        # In a separate process, because the defect was a crash.
         said = run("""
             import sys, threading
             sys.path.insert(0, "")
@@ -72,10 +72,10 @@ class Threads(unittest.TestCase):
         def fails(o, d, centre, radius):
             raise ValueError("old")
         first, second = form(fails, "first"), form(fails, "second")
-        for _ in range(3):  # both fail, and one of the two is raised
+        for _ in range(3):  # both fail, and one of the two exceptions is raised
             with self.assertRaisesRegex(ValueError, "old"):
                 lb.map(small(), [first, second], "f32", progress=False)
-            for each in (first, second):  # what was not raised is not raised by another call
+            for each in (first, second):  # another call does not raise an exception that was left over
                 with self.assertRaisesRegex(lb.InputError, "700"):
                     lb.explain("sphere.press", "near-benign", (700, 3))
                 with self.assertRaises(lb.NothingSelected):
@@ -115,13 +115,13 @@ class Forks(unittest.TestCase):
         self.assertEqual(rows_of_a_map([form(), "sphere.press"]), 2)
         with multiprocessing.get_context("fork").Pool(2) as pool:
             self.assertEqual(pool.map(rows_of_a_map, ["sphere.press", "sphere.unified"] * 4), [1] * 8)
-        for _ in range(20):  # right behind a call, whose threads are on their way to rest
+        for _ in range(20):  # right after a call, while its threads are still coming to rest
             rows_of_a_map("sphere.*")
             child = os.fork()
             if child == 0:
                 os._exit(0 if rows_of_a_map([form(), "sphere.press"]) == 2 else 1)
             self.assertEqual(os.waitpid(child, 0)[1], 0)
-        self.assertEqual(rows_of_a_map("sphere.press"), 1)  # and so does the one that forked
+        self.assertEqual(rows_of_a_map("sphere.press"), 1)  # the process that forked still measures
 
     def test_a_process_that_is_forked_amid_a_call_says_so(self):
         children = []
@@ -189,7 +189,7 @@ class Memory(unittest.TestCase):
         for arrays in kept:
             for now, then in arrays:
                 np.testing.assert_array_equal(now, then)
-                # Memory of numpy's, and not an address of the library's.
+                # The memory is numpy's, not the library's.
                 while isinstance(now.base, np.ndarray):
                     now = now.base
                 self.assertTrue(now.flags.owndata)
@@ -207,17 +207,18 @@ class Memory(unittest.TestCase):
 
 
 class Numbers(unittest.TestCase):
-    """ctypes keeps the lowest bits of a number that a C type does not hold, and a text ends at its first zero byte."""
+    """Guards against ctypes, which keeps the lowest bits of a number too large for a C type, and against zero bytes,
+    which would end a string."""
 
     def test_are_refused_where_c_does_not_hold_them(self):
         scene = small()
         for words, ask in (
             ("pixel[0] is 1099511627776", lambda: lb.explain("sphere.press", scene, (2**40, 0))),
             ("pixel[1] is -4294967296", lambda: lb.explain("sphere.press", scene, (0, -2**32))),
-            ("pixel[0] is 3.7; it is a whole number", lambda: lb.explain("sphere.press", scene, (3.7, 4))),
+            ("pixel[0] is 3.7; it must be a whole number", lambda: lb.explain("sphere.press", scene, (3.7, 4))),
             ("pixel[0] is 'a'", lambda: lb.explain("sphere.press", scene, ("a", 4))),
-            ("faces has 4294967298", lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0, 1, 2**32 + 2]]))),
-            ("faces has 18446744073709551615",
+            ("faces contains 4294967298", lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0, 1, 2**32 + 2]]))),
+            ("faces contains 18446744073709551615",
              lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), np.array([[0, 1, 2**64 - 1]], np.uint64)))),
             ("faces is not an array of numbers", lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0, 1, 2**70]]))),
             ("size is 1099511627776", lambda: lb.scene("near-benign", size=(2**40, 1))),
@@ -232,16 +233,16 @@ class Numbers(unittest.TestCase):
             ("tolerance is 'a'", lambda: lb.choose(scene, tolerance="a")),
             ("wrong is None", lambda: lb.choose(scene, 3, wrong=None)),
             ("steps is 1.5", lambda: lb.sweep("near-benign", along="sphere[0].radius", start=1, to=2, steps=1.5)),
-            ("forms is 'sphere.press\\x00x'; a text has no zero byte", lambda: lb.map(scene, "sphere.press\0x", "f32")),
+            ("forms is 'sphere.press\\x00x'; remove the zero byte", lambda: lb.map(scene, "sphere.press\0x", "f32")),
             ("formats is 'f32\\x00x'", lambda: lb.map(scene, "sphere.press", "f32\0x")),
             ("metrics is", lambda: lb.map(scene, "sphere.press", "f32", ["condition\0"])),
             ("name is 'near-benign\\x00x'", lambda: lb.scene("near-benign\0x")),
             ("set is", lambda: lb.scene("near-benign", set=["sphere[0].radius=1\0"])),
             ("data is", lambda: lb.scene("near-benign", data="data\0x")),
             ("name is 'py.a\\x00b'", lambda: form(name="a\0b")),
-            ("half of a character", lambda: lb.map(scene, "sphere.\udcff", "f32")),
+            ("half of a surrogate pair", lambda: lb.map(scene, "sphere.\udcff", "f32")),
             ("strategies is", lambda: lb.offsets(scene, strategies="a\0")),
-            ("points is 3; it is a text", lambda: lb.offsets(scene, points=3)),
+            ("points is 3; it must be a string", lambda: lb.offsets(scene, points=3)),
             ("at is 3", lambda: lb.choose(scene, 3, at=3)),
             ("open_ends is 3", lambda: lb.truth(O, D, S, open_ends=3)),
             ("format is 3", lambda: lb.judge(O, D, O[:, 0], None, S, format=3)),

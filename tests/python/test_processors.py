@@ -1,4 +1,4 @@
-"""The library gives the same bits on processors without AVX-512, and without AVX2."""
+"""Tests that the library gives the same bits on processors without AVX-512 and without AVX2."""
 
 import os
 import shutil

@@ -1,7 +1,7 @@
-# cmake -P recipe_form.cmake: follows the recipe "A form" of CONTRIBUTING.md, to the letter, on a copy of the sources.
-# One file and one line of the catalogue must be enough for every list of forms to have it, and the rules of a formula
+# cmake -P recipe_form.cmake: follows the recipe "A form" of CONTRIBUTING.md literally, on a copy of the sources. One
+# file and one line of the catalogue must be enough to put the form into every list of forms. The rules of a formula
 # must hold for it: with an `if` in it, it must not compile over Archetype.
-#   CXX, ROOT (the repository), WORK (a folder), INCLUDES (what the headers need besides)
+#   CXX, ROOT (the repository), WORK (a folder), INCLUDES (other include folders that the headers need)
 file(REMOVE_RECURSE ${WORK})
 foreach(layer number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
@@ -14,7 +14,8 @@ string(REGEX MATCH "to the list of the shape: `([A-Za-z:]+),  //`" _ "${recipes}
 set(type ${CMAKE_MATCH_1})
 string(FIND "${recipes}" "```cpp\n" begin)
 if(NOT header OR NOT type OR begin EQUAL -1)
-    message(FATAL_ERROR "the recipe of a form no longer names its file, its type and its text")
+    message(FATAL_ERROR "CONTRIBUTING.md: the recipe of a form no longer gives its file, its type and its code in the "
+        "pattern that recipe_form.cmake reads")
 endif()
 math(EXPR begin "${begin} + 7")
 string(SUBSTRING "${recipes}" ${begin} -1 form)
@@ -62,5 +63,5 @@ string(REPLACE "const T h = sqrt(h2);" "T h = sqrt(h2);\n        if (h2 < T(0)) 
 file(WRITE ${WORK}/src/${header} "${branching}")
 execute_process(COMMAND ${archetype} RESULT_VARIABLE failed ERROR_QUIET)
 if(NOT failed)
-    message(FATAL_ERROR "a form that branches on a mask compiles over Archetype")
+    message(FATAL_ERROR "a form that branches on a mask compiles over Archetype, but it must not")
 endif()

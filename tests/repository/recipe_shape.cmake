@@ -1,8 +1,9 @@
 # cmake -P recipe_shape.cmake: follows the recipe "A shape" of CONTRIBUTING.md on a copy of the sources. The folder of
-# half spaces, at most 120 lines, and its line and its include in the list must be enough: the list of shapes, the names
-# of its numbers, a solid of plain numbers, the forms of the catalogue and the span over Ball must have it.
-#   CXX, ROOT (the repository), WORK (a folder), INCLUDES (what the headers need besides)
-#   PROGRAM: also build the whole program in the copy, with a file of metrics and its word in the list, and try both
+# half spaces, of at most 120 lines, with a line and an include in the list, must be enough. Then the list of shapes,
+# the names of its numbers, a primitive of plain numbers, the forms of the catalogue and the span over Ball must have
+# it.
+#   CXX, ROOT (the repository), WORK (a folder), INCLUDES (other include folders that the headers need)
+#   PROGRAM: also builds the whole program in the copy, with a file of metrics and its entry in the list, and tests both
 file(REMOVE_RECURSE ${WORK})
 foreach(layer number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
@@ -18,7 +19,7 @@ foreach(file IN LISTS files)
     math(EXPR lines "${lines} + ${length}")
 endforeach()
 if(lines GREATER 120)
-    message(FATAL_ERROR "the folder of half spaces has ${lines} lines")
+    message(FATAL_ERROR "the folder of half spaces has ${lines} lines; at most 120 are allowed")
 endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
@@ -71,7 +72,7 @@ if(NOT PROGRAM)
     return()
 endif()
 
-# The whole program.
+# Build the whole program.
 foreach(part CMakeLists.txt LICENSE analysis cmake data docs plugins src/CMakeLists.txt src/scene src/measure
         src/output)
     if(EXISTS ${ROOT}/${part})
@@ -112,7 +113,7 @@ file(WRITE ${WORK}/lower.toml "schema = \"lostbits-sweep/1\"\n${head}scene = \"f
     "[[axis]]\nname = \"height\"\n"
     "unit = \"world\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 3\n"
     "set = [\"half_space[0].point[1]\"]\nfactors = [-1]\n")
-# The second answer is wrong, the third ray passes by.
+# The second answer is wrong. The third ray misses.
 file(WRITE ${WORK}/rays.csv "ox,oy,oz,dx,dy,dz,ax,ay,az,vx,vy,vz,hit,t\n0,0,5,0,0,-1,0,0,1,0,0,1,1,4\n"
     "0,0,5,0,0,-1,0,0,1,0,0,1,1,4.5\n0,0,5,1,0,0,0,0,1,0,0,1,0,\n")
 function(say expected)
@@ -136,19 +137,19 @@ say("^0\n" map floor.toml -i half_space.* -f f32 --metric lateness --pixels csv 
 hold(metric/floor/half_space.quotient.f32.csv ",lateness")
 hold(metric/floor/summary.csv "lateness_max")
 if(NOT EXISTS ${WORK}/metric/floor/half_space.quotient.f32.lateness.png)
-    message(SEND_ERROR "there is no picture of the metric")
+    message(SEND_ERROR "the picture of the metric was not written")
 endif()
 say("^0\n" sweep lower.toml -i half_space.* -f f32 -o sweep)
 hold(sweep/lower/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o judge)
-# Random rays, as its own folder draws them, and times on them.
+# Test random rays from the ray distribution in its folder, and time them.
 file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[half_space_family]\nviews = 64\n"
     "[[axis]]\nname = \"distance\"\nunit = \"sizes\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 2\n"
     "set = [\"distance\"]\n")
 say("^0\n" sweep size.toml -i half_space.* -f f32 -o family)
 hold(family/size/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,64,64,0,0,0,0,0,")
 say("^0\n.*half_space\\.quotient" trade --shape half_space --quick -o trade)
-# The same formula from outside: through the C interface, as a formula of a header, as a shader.
+# Test the same formula from outside: through the C interface, as a form in a library, and as a shader.
 file(WRITE ${WORK}/outside.c [=[
 #include <lostbits_plugin.h>
 static const char* run(const lb_batch* b) {

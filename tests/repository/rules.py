@@ -1,6 +1,6 @@
-"""The rules of the house, on the tree itself; and for each rule what breaks it and what does not.
+"""The rules for the source tree.
 
-A rule takes the path of a file, from the root of the repository, and its text, and returns `path:line: what` of each
+A rule takes the path of a file, from the root of the repository, and its text. It returns `path:line: what` for each
 offence.
 """
 import pathlib
@@ -16,13 +16,13 @@ def read(path):
 
 
 def tree(*folders):
-    """The C and C++ files of some folders: path and text."""
+    """Path and text of each C and C++ file in some folders."""
     paths = (p for folder in folders for p in (ROOT / folder).rglob("*") if p.suffix in (".hpp", ".cpp", ".h"))
     return [(str(p.relative_to(ROOT)), p.read_text()) for p in sorted(paths) if p.is_file()]
 
 
 def code_of(text):
-    """The text with comments and the contents of strings replaced by spaces, lines kept. 1'000 holds no character."""
+    """The text with comments and contents of strings replaced by spaces, in the same lines. 1'000 has no string."""
     def blank(m):
         keep = m[0][0] if m[0][0] in "\"'" else ""
         end = keep if keep and len(m[0]) > 1 and m[0].endswith(keep) else ""
@@ -32,23 +32,25 @@ def code_of(text):
 
 
 def includes_of(text):
-    """Line, bracket and name of each include."""
+    """Line, opening character and name of each include."""
     found = re.finditer(r"^[ \t]*#[ \t]*include[ \t]*([<\"])([^>\"\n]+)[>\"]", text, re.M)
     return [(text.count("\n", 0, m.start()) + 1, m[1], m[2]) for m in found]
 
 
 def room_of(path):
-    """`measure/truth` of src/measure/truth/x.hpp, `analysis` of analysis/x.cpp."""
+    """The room, a folder below src/ or the program: `measure/truth` for src/measure/truth/x.hpp, `analysis` for
+    analysis/x.cpp."""
     return path.rpartition("/")[0].removeprefix("src/")
 
 
 def rooms_in(readme):
-    """In include order, from the table of src/README.md; last the program."""
+    """All rooms in include order, from the table of src/README.md. The program is the last."""
     return re.findall(r"\| `([\w/]+)` \|", readme) + [PROGRAM]
 
 
 def namespace_of(room):
-    """That of the path. Operations of numbers must be found where a formula over float looks."""
+    """The namespace of a room, which follows its path. Numbers, geometry and shapes are in `lostbits`, so that a
+    formula over float finds their operations."""
     if m := re.fullmatch(r"shapes/(\w+)/(\w+)", room):
         return ("lostbits::intersect::" if m[2] == "forms" else "lostbits::scene::") + m[1]
     if room in ("number", "geometry") or room.startswith("shapes"):
@@ -57,36 +59,36 @@ def namespace_of(room):
 
 
 def include_directions(path, text, rooms):
-    """A file lies in a room, and includes its own and rooms above it; headers of ours are named from src/ (the
-    program's own, in analysis/, by their bare name)."""
+    """A file lies in a room and includes only that room and rooms before it in the list. Headers are named from src/
+    (those of the program, in analysis/, by their bare names)."""
     own = room_of(path)
     if own not in rooms:
-        return [f"{path}: in no room of src/README.md"]
+        return [f"{path}: is in no room that src/README.md lists"]
     offences = []
     for line, bracket, name in includes_of(text):
         room = name.rpartition("/")[0]
-        # The catalogue is the closed list of the forms, so it alone looks down into their rooms.
+        # The catalogue is the closed list of forms. Only it may include headers of their rooms.
         lists = path == "src/intersect/catalogue.hpp" and (room.startswith("intersect/") or room.endswith("/forms"))
         if room not in rooms:
             if bracket == '"' and not (own == PROGRAM and not room):
-                offences.append(f"{path}:{line}: {name} is not named from the source root")
+                offences.append(f"{path}:{line}: includes {name}, which must be named from src/")
         elif rooms.index(room) > rooms.index(own) and not lists:
-            offences.append(f"{path}:{line}: {own} includes {name}, which stands below it")
+            offences.append(f"{path}:{line}: {own} includes {name}, whose room comes later in src/README.md")
     return offences
 
 
 def room_namespace(path, text):
-    """A file of a room opens that room's namespace and no other, but to specialise what another room declares."""
+    """A file opens the namespace of its room, and no other namespace of lostbits that is not inside it."""
     own, code = namespace_of(room_of(path)), "\n" + code_of(text)
     names = re.findall(r"\n(?:inline )?namespace ([\w:]+) \{", code)
-    offences = [f"{path}: opens {name}, and its room is {own}" for name in names
+    offences = [f"{path}: opens {name}, but its room has {own}" for name in names
                 if name.startswith("lostbits") and not (name + "::").startswith(own + "::")]
     return offences + [f"{path}: does not open {own}"] * ("\nnamespace " in code and own not in names)
 
 
 def definitions_in(path, text):
-    """What is defined at namespace scope, outside of anonymous namespaces: place, name with its namespaces (of an
-    inline function with its parameters), and of a type the last part alone."""
+    """Definitions at namespace scope, outside of anonymous namespaces. Each is path:line, the name with its namespaces
+    (for an inline function with its parameters), and for a type also the name alone."""
     code = re.sub(r"(?m)^[ \t]*#[^\n]*", lambda m: " " * len(m[0]), code_of(text))
     found, scopes, begin = [], [], 0
     for m in re.finditer(r"[{};]", code):
@@ -110,14 +112,14 @@ def definitions_in(path, text):
 
 
 def names_are_unique(files):
-    """No two definitions of one qualified name (undefined behaviour, and no linker says so), and no two types of one
-    name in different namespaces (a reader takes one for the other)."""
+    """No qualified name is defined twice, which would be undefined behaviour that no linker reports. No two types in
+    different namespaces share a name, since a reader would mix them up."""
     names, words, offences = {}, {}, []
     for place, name, plain in (d for path, text in files for d in definitions_in(path, text)):
         if name in names:
-            offences.append(f"{place}: {name} is defined at {names[name]} too")
+            offences.append(f"{place}: {name} is also defined at {names[name]}")
         elif plain in words:
-            offences.append(f"{place}: {name} has the name of {words[plain]}")
+            offences.append(f"{place}: {name} has the same name as {words[plain]}")
         names.setdefault(name, place)
         if plain:
             words.setdefault(plain, f"{name} at {place}")
@@ -125,9 +127,9 @@ def names_are_unique(files):
 
 
 def room_sizes(files):
-    """A room that nobody can survey: more than 22 files. Forms are not counted: each is read alone."""
+    """A room has at most 22 files, so that a reader can survey it. Forms do not count, since each is read alone."""
     sizes = Counter(room_of(path) for path, text in files if not is_form(path, text))
-    return [f"{room}: {n} files" for room, n in sizes.items() if n > 22]
+    return [f"{room}: {n} files, but at most 22 are allowed" for room, n in sizes.items() if n > 22]
 
 
 def in_shape_folder(path):
@@ -135,12 +137,12 @@ def in_shape_folder(path):
 
 
 def is_form(path, text):
-    """A file that declares an `Info`, as opposed to a helper of forms."""
+    """True if a file declares an `Info`, unlike a helper of forms."""
     return in_shape_folder(path) and "static constexpr Info info" in text
 
 
 def form_includes(path, text):
-    """A file of a shape's folder stands on these four alone."""
+    """A file in a shape's folder of forms includes only from these four layers."""
     allowed = ("number/", "geometry/", "shapes/", "intersect/")
     return [f"{path}:{line}: a form includes {name}" for line, _, name in includes_of(text)
             if in_shape_folder(path) and not name.startswith(allowed)]
@@ -153,7 +155,8 @@ def find_all(path, text, patterns):
 
 
 def formula_rules(path, text):
-    """No libm by name, no decimal literal, no `if` on a mask (`widens` asks the format), no ternary, no double."""
+    """A formula uses no libm function by name, no decimal literal, no `if` on a mask, no ternary, no float or double,
+    and no epsilon. (`if` on `widens` is allowed, since that depends only on the format.)"""
     shared = path in ("src/intersect/roots.hpp", "src/intersect/outward.hpp")
     return find_all(path, text, {
         "libm by name": r"(?:\bstd::|(?<![:\w])::)(?:sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log"
@@ -167,13 +170,13 @@ def formula_rules(path, text):
 
 
 def locale_rules(path, text):
-    """No function whose decimal point is the locale's reads a number: a library that is loaded may set it."""
-    return find_all(path, text, {"reads a number as the locale says; use std::from_chars":
+    """No function that uses the decimal point of the locale reads numbers, since a loaded library may change it."""
+    return find_all(path, text, {"reads a number by the locale; use std::from_chars":
                                  r"\b(stod|stof|stold|strtod|strtof|strtold|atof|setlocale)\s*\("})
 
 
 def catalogue_agrees(files, catalogue):
-    """Every form is included once and listed once, and the catalogue holds nothing else."""
+    """The catalogue includes and lists every form once, and nothing else."""
     included = Counter(name for _, _, name in includes_of(catalogue))
     listed = Counter(re.findall(r"\b\w+::[A-Z]\w+\b", code_of(catalogue)))
     offences = []
@@ -184,25 +187,26 @@ def catalogue_agrees(files, catalogue):
         declared = re.search(r"struct (\w+) [^{;]*\{\s*static constexpr Info info", text)
         form, name = f"{shape}::{declared and declared[1]}", re.search(r'\.name = "([^"]*)"', text)[1]
         if (times := included.pop(header, 0)) != 1:
-            offences.append(f"{path}: included {times} times by the catalogue")
+            offences.append(f"{path}: the catalogue includes it {times} times instead of once")
         if (times := listed.pop(form, 0)) != 1:
-            offences.append(f"{path}: {form} listed {times} times in the catalogue")
+            offences.append(f"{path}: the catalogue lists {form} {times} times instead of once")
         if name != f"{shape}.{pathlib.Path(path).stem}":
-            offences.append(f"{path}: is named {name}")
-    offences += [f"the catalogue includes {name}, which is no form" for name in included
+            offences.append(f"{path}: the form is named {name}; it must be {shape}.{pathlib.Path(path).stem}")
+    offences += [f"the catalogue includes {name}, which is not a form" for name in included
                  if in_shape_folder("src/" + name) and not name.endswith("/forms/forms.hpp")]
     return offences + [f"the catalogue lists {form}, which has no file" for form in listed if not form.endswith("Forms")]
 
 
 def file_length(path, text):
-    """A file that needs more than 500 lines is two files, and a line of more than 120 characters is two lines."""
+    """A file has at most 500 lines, and a line at most 120 characters."""
     lines = text.count("\n")
-    return [f"{path}: {lines} lines"] * (lines > 500) + [
-        f"{path}:{i}: {len(line)} characters" for i, line in enumerate(text.split("\n"), 1) if len(line) > 120]
+    return [f"{path}: {lines} lines; at most 500 are allowed"] * (lines > 500) + [
+        f"{path}:{i}: {len(line)} characters; at most 120 are allowed"
+        for i, line in enumerate(text.split("\n"), 1) if len(line) > 120]
 
 
 def names_of_shapes(text):
-    """Lines that name a shape, in comments and texts too: as `Shape::` of the list has it, or by its struct."""
+    """Counts lines that name a shape by `Shape::` or by its struct, also in comments and strings."""
     structs = re.findall(r"    line\(\w+, (\w+)\)", read("src/shapes/list.hpp"))
     name = re.compile("|".join(["Shape::", *(s + "<" for s in structs)]))
     return sum(bool(name.search(line)) for line in text.split("\n"))

@@ -1,4 +1,4 @@
-"""The rules of the house on the tree itself, and on what breaks each of them."""
+"""Tests that the tree obeys its rules, and that each rule finds an offence."""
 import concurrent.futures
 import os
 import re
@@ -11,7 +11,7 @@ from rules import *
 
 
 class Tree(unittest.TestCase):
-    """Each rule, wherever it holds."""
+    """Each rule, on the files that it is for."""
 
     def hold(self, rule, *folders):
         self.assertEqual([o for path, text in tree(*folders) for o in rule(path, text)], [])
@@ -50,15 +50,15 @@ class Tree(unittest.TestCase):
         self.hold(locale_rules, "src", "analysis")
 
     def test_what_names_a_shape_lies_in_its_folder_or_has_its_reason(self):
-        conventions = "the one table of conventions, kind by kind"
-        march = "a march is of all solids together, and has a word among the shapes"
+        conventions = "the only table of conventions, shape by shape"
+        march = "a march takes all primitives together, and has a name among the shapes"
         reasons = {
             "analysis/selection/ray_words.cpp": march,
             "analysis/selection/sets.hpp": march,
             "analysis/judge.cpp": march,
-            "src/intersect/doors/formula_of.hpp": "what a compiler says to who writes a form: two examples and a march",
-            "src/intersect/simd/packed_many_kernels.hpp": "the planes of a box in order: a loop by hand",
-            "src/intersect/simd/plain_many_w256.cpp": "loops that others write over boxes",
+            "src/intersect/doors/formula_of.hpp": "compiler errors for authors of forms: two examples and a march",
+            "src/intersect/simd/packed_many_kernels.hpp": "a hand-written loop over the planes of a box",
+            "src/intersect/simd/plain_many_w256.cpp": "loops over boxes as other projects write them",
             "src/intersect/conventions.hpp": conventions,
             "src/intersect/takes.hpp": march,
             "src/intersect/target.hpp": march,
@@ -83,7 +83,7 @@ class Tree(unittest.TestCase):
 
 
 class Rules(unittest.TestCase):
-    """Each rule on what breaks it, and on what does not."""
+    """Each rule, on text that breaks it and on text that does not."""
 
     def test_an_include_to_the_right_is_caught(self):
         rooms = rooms_in(read("src/README.md"))
@@ -182,7 +182,7 @@ class Rules(unittest.TestCase):
 
 
 class Format(unittest.TestCase):
-    """clang-format of as many files at a time as there are processors."""
+    """The format of files, by one clang-format per processor at a time."""
 
     def test_every_file_is_as_clang_format_says_and_one_that_is_not_is_seen(self):
         program = shutil.which("clang-format-14") or shutil.which("clang-format")

@@ -1,4 +1,4 @@
-"""What runs the tests: it passes on how a test ended, and ends one that makes no progress, whatever the clock says."""
+"""Tests the program that runs the tests: it passes on how a test ended, and ends one that makes no progress."""
 
 import os
 import signal
@@ -45,7 +45,7 @@ class Watch(unittest.TestCase):
         self.assertIn("no progress", err)
 
     def test_work_goes_on_however_long_it_takes(self):
-        # The one that works is started by one that waits, and takes twice the time.
+        # A process that waits starts one that works, for twice the allowed time.
         self.assertEqual(self.run_watched(f"bash -c '{BUSY.format(12)}; echo done' & wait", "--still", "6"),
                          (0, "done\n", ""))
 

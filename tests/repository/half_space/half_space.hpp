@@ -1,11 +1,11 @@
-// The half space, a shape that is added as an exercise: recipe_shape.cmake puts this folder into a copy of src/shapes.
+// The half space, an example of a new shape: recipe_shape.cmake copies this folder into a copy of src/shapes.
 #pragma once
 
 #include "shapes/sphere/sphere.hpp"
 
 namespace lostbits {
 
-/// All points p with n·(p − P) ≤ 0: a solid without an end.
+/// All points p with n·(p − P) ≤ 0. It is unbounded.
 template <class T>
 struct HalfSpace {
     Vec<T> point;
@@ -29,7 +29,7 @@ struct HalfSpace {
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const { return onto(point + T(2) * u); }
     [[nodiscard]] std::optional<HalfSpace> grown(const Vec<T>&, const T&) const { return *this; }
 
-    /// From n·(P − o)/(n·d) on, against n, or up to there, along n; of a line beside the plane, whether it lies in it.
+    /// From t = n·(P − o)/(n·d) on if n·d < 0, up to it if n·d > 0. A parallel line lies in it entirely or not at all.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1), n = dot(normal, point - ray.origin), m = dot(normal, ray.direction);
         const auto never = zero<zero, out = m> zero, in = m < zero;

@@ -1,4 +1,4 @@
-// t = n·(P − o)/(n·d), as everyone writes it; 0 from inside, where n·(P − o) ≥ 0.
+// t = n·(P − o)/(n·d), as it is usually written, and 0 from inside, where n·(P − o) ≥ 0.
 #pragma once
 
 #include "intersect/info.hpp"
