@@ -66,7 +66,7 @@ public:
 
 private:
     [[noreturn]] static void refuse();
-    // constinit: other files read it without asking first whether it has been initialised.
+    // constinit: other files read it without first checking that it is initialised.
     static constinit thread_local const FloatFormat* current_;
     static constinit thread_local Engine engine_;
 };
