@@ -100,7 +100,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));
         if (!fs::exists(state)) continue;  // stopped in the first one
-        CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that again with --resume"));
+        CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that command again with --resume"));
         // The first one is finished, and its state says so to the run that goes on.
         CHECK(fs::exists(scratch / "parts/first/binades.csv"));
         CHECK(fs::exists(first_state));
