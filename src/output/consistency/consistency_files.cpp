@@ -137,7 +137,9 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
             };
         };
         table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
-                    "|near + far from the other end - length| in ulps of the length", number(&AccordOfPixels::apart)},
+                    "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in "
+                    "ulps of t",
+                    number(&AccordOfPixels::apart)},
                    {fmt::format("{}_excess", check.name), "number", "ulp",
                     "difference between that and the same for the exact answers", number(&AccordOfPixels::excess)}});
     }
