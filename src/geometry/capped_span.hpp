@@ -65,7 +65,7 @@ struct CappedSpan {
         return {out_behind || (crossed && to.less), on_or_behind || (crossed && to.at_most)};
     }
     /// True if the line enters, or leaves, by a plane, for a line that meets the closed primitive. At a rim either
-    /// answer may come.
+    /// answer is possible.
     [[nodiscard]] mask_t<T> enters_by_cap() const { return crossed && at_entry.value <= T(0); }
     [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
@@ -94,7 +94,7 @@ CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across
             .d2 = side.d2};
 }
 
-/// Both ends; nothing if it is not known by which surface the line enters and leaves.
+/// Both ends; nothing if the surfaces by which the line enters and leaves are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
     if (!is_certain(s.is_met())) return std::nullopt;

@@ -36,7 +36,7 @@ struct FlatSpan {
     [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
-/// Both ends are the crossing; nothing if it is not known to cross.
+/// Both ends are the crossing; nothing if the line is not known to cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const FlatSpan<T>& s) {
     if (!is_certain(s.closed)) return std::nullopt;

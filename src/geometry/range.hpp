@@ -1,4 +1,4 @@
-// The part of a ray that counts.
+// The range of a ray in which hits count.
 #pragma once
 
 #include <array>
@@ -28,8 +28,8 @@ inline constexpr OpenEnds open_ends_named(std::string_view name) {
     return {};
 }
 
-/// The t of a ray that count: tmin ≤ t ≤ tmax, with < at an open end. A ray looks ahead, so tmin is finite and at least
-/// 0. If tmax is infinity, the ray has no end.
+/// The t at which hits of a ray count: tmin ≤ t ≤ tmax, with < at an open end. A ray looks ahead, so tmin is finite and
+/// at least 0. If tmax is infinity, the ray has no end.
 template <class T>
 struct Range {
     T tmin = 0;

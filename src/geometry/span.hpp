@@ -34,7 +34,7 @@ struct QuadraticSpan {
     static constexpr bool is_met_behind_touch = false;
 };
 
-/// Compares a b with c d. Numbers that have a shorter way overload it.
+/// Compares a b with c d. Number types with a cheaper way overload it.
 template <Number T>
 Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& d) {
     const T x = a * b, y = c * d;
@@ -73,7 +73,7 @@ struct SlabSpan {
     static constexpr bool is_met_behind_touch = false;
 };
 
-/// A range as spans are compared with it: a missing end is 1/0.
+/// A range in the form that spans are compared with. If it has no end, `end` is 1/0.
 template <class T>
 struct RangeOfSpan {
     T begin;
@@ -81,7 +81,7 @@ struct RangeOfSpan {
     OpenEnds open;
 };
 
-/// True if a point that compares so with the end of a range is in the range.
+/// True if a point lies before the end of a range, or at a closed end, given how it compares with that end.
 template <class Mask, class T>
 Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
@@ -123,8 +123,8 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
 /// holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
 /// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Each inequality between a
-/// largest and a smallest is the conjunction of those between all, so neither needs to be known. Entry and exit of one
-/// axis are in the order of lo and hi.
+/// largest and a smallest number holds exactly if it holds for every pair, so neither needs to be known. Entry and exit
+/// of one axis are in the order of lo and hi.
 template <class T>
 struct InSlabs {
     mask_t<T> closed, open;
@@ -220,8 +220,8 @@ std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
     return Ends<T>{(-s.h - root) / s.a, (root - s.h) / s.a};
 }
 
-/// Largest entry and smallest exit, joined if two cannot be told apart. Nothing if the line crosses no slab, or is not
-/// known to be inside each slab that it does not cross.
+/// Largest entry and smallest exit; enclosures of which neither is known to be the larger are joined. Nothing if the
+/// line crosses no slab, or is not known to be inside each slab that it does not cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     std::optional<Ends<T>> ends;

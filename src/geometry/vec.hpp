@@ -15,7 +15,8 @@ namespace lostbits {
 template <class T>
 using Vec = glm::vec<3, T>;
 
-/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right. Numbers that carry a bound have one for all of it.
+/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right. Numbers that carry a bound have one bound for the whole
+/// sum.
 template <Number T>
 T dot(const Vec<T>& a, const Vec<T>& b) {
     if constexpr (requires { sum_of_products(a.x, b.x, a.y, b.y, a.z, b.z); })
@@ -52,7 +53,7 @@ Vec<T> unit_of(const Vec<T>& v) {
     return Vec<T>(v.x / size, v.y / size, v.z / size);
 }
 
-/// Gives each component this name.
+/// Names each component `label`.
 template <Number T>
 const Vec<T>& named(std::string_view label, const Vec<T>& v) {
     named(label, v.x), named(label, v.y), named(label, v.z);

@@ -9,8 +9,8 @@
 namespace lostbits {
 
 /// The near and the far root of a quadratic, a > 0. Each counts if it lies between the planes of the capped primitive.
-/// There is no inside: a line may come in by an open end and meet the far side alone, or meet nothing. A line parallel
-/// to the axis meets nothing, even within the wall.
+/// The surface has no inside: a line may enter through an open end and meet only the far side, or nothing. A line
+/// parallel to the axis meets nothing, even within the wall.
 template <class T>
 struct WallSpan {
     CappedSpan<T> solid;

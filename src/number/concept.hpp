@@ -1,5 +1,5 @@
-// The operations that a formula may use. Everything downstream instantiates formulas over a type that models `Number`;
-// a new question to the laboratory is a new type of this kind.
+// The operations that a formula may use. Everything else instantiates formulas over a type that models `Number`. To
+// measure something new, write a new such type.
 #pragma once
 
 #if defined(__FAST_MATH__)
@@ -56,7 +56,7 @@ inline double next_up(double x) { return std::nextafter(x, HUGE_VAL); }
 inline float next_down(float x) { return std::nextafter(x, -HUGE_VALF); }
 inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 
-// --- what every number gets from its comparison --------------------------------------------------------
+// --- operations that follow from the comparison --------------------------------------------------------
 
 /// True for numbers that stand for exact arithmetic: they have no neighbours, and rounding outward is the identity.
 template <class T>
@@ -124,21 +124,21 @@ auto decide(const M& mask, const F& f) {
     return f(mask);
 }
 
-/// Names an intermediate of a formula in the source's own letters. Numbers that keep a tape overload it; for all others
+/// Names an intermediate result of a formula as the source does. Numbers that keep a tape overload it; for all others
 /// it is the identity and costs nothing.
 template <class T>
 constexpr const T& named(std::string_view, const T& value) {
     return value;
 }
 
-/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own: for a stretch of
-/// many operations whose single names mean nothing. For other numbers it does nothing.
+/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own. It is for a long run
+/// of operations whose single names mean nothing. For other numbers it does nothing.
 template <class T>
 struct Part {
     explicit Part(std::string_view /*name*/) {}
 };
 
-/// Arithmetic for "compute it in double inside": wider than T, or T itself if nothing is wider.
+/// Arithmetic of the formulas that compute in double inside: wider than T, or T itself if nothing is wider.
 template <class T>
 struct Wider {
     using type = T;

@@ -12,7 +12,7 @@
 namespace lostbits {
 
 /// `add` also stands for subtract, `choose` for select, min and max, `sign` for −x, |x| and copysign, `neighbour` for
-/// the next number up or down, `convert` for the way to and from a wider format.
+/// the next number up or down, `convert` for a conversion to or from a wider format.
 enum class Operation : std::uint8_t { add, mul, div, sqrt, fma, compare, choose, sign, neighbour, convert };
 
 inline constexpr std::array<std::string_view, 10> operation_names{"add",     "mul",    "div",  "sqrt",      "fma",

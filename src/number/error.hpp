@@ -1,4 +1,4 @@
-// The ways in which a run can end without an answer: one type each, with the exit code that a shell sees.
+// Errors that end a run without an answer: one type each, with the exit code that a shell sees.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace lostbits {
 
-/// Exit codes of the program: a script tells "the answer is no" from "the question was wrong".
+/// Exit codes of the program. A script can tell "the answer is no" from "the input was wrong".
 enum class Exit : int {
     done = 0,              ///< done, and every selected claim holds
     answer_is_no = 1,      ///< done, and a claim failed or a difference was found

@@ -12,12 +12,12 @@ thread_local long Interval::working_ = 128;
 
 namespace {
 
-/// Precision that holds every point: two words, from the highest bit of one to the last bit of the other.
+/// Precision that holds every point: from the highest bit of its first double to the last bit of its second.
 constexpr long least_bits = 192;
 constexpr double widest_gap = 0x1p-128;
 
-/// The sum if it fits two words exactly: nothing is left over when the second words are added. 128 bits and the 53 of
-/// the second word are fewer than `least_bits`, so MPFI loses nothing of it either.
+/// The sum if two doubles hold it exactly: nothing is left over when the second doubles are added. 128 bits and the 53
+/// of the second double are fewer than `least_bits`, so MPFI loses nothing of it either.
 std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble& b) {
     const DoubleDouble s = two_sum(a.hi, b.hi);
     DoubleDouble sum = s;
@@ -32,11 +32,11 @@ std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble&
     return sum;
 }
 DoubleDouble negative(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
-/// The first words are rounded sums, so if they differ they are in the order of the sums.
+/// The first doubles are rounded sums. If they differ, they are in the order of the sums.
 bool is_less(const DoubleDouble& a, const DoubleDouble& b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
 
-/// The product if it fits two words exactly. It is not tried for two operands that both have a second word: without
-/// trailing zeros these have at least 54 bits each, and the product 107.
+/// The product if two doubles hold it exactly. It is not tried if both operands have a second double: without trailing
+/// zeros they have at least 54 bits each, and the product 107.
 std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDouble& b) {
     if (a.hi == 0 || b.hi == 0) return DoubleDouble{0, 0};
     if (a.lo != 0) return b.lo != 0 ? std::nullopt : exact_product(b, a);

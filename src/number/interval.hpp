@@ -1,6 +1,6 @@
 // Interval: an enclosure of the exact value at any precision. MPFI endpoints, outward rounding, unbounded exponents.
 //
-// Straight on MPFI and not through Boost.Multiprecision: there (1.74) the working precision of `mpfi_float` is one
+// It uses MPFI directly, not through Boost.Multiprecision: in version 1.74 the working precision of `mpfi_float` is one
 // variable of the whole process, so two threads that escalate to different precisions would disturb each other.
 #pragma once
 
@@ -15,9 +15,9 @@ namespace lostbits {
 /// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. The precision of every
 /// result is the thread's current one (`Interval::Precision`); operands may have any.
 ///
-/// A point that two words hold stays one as long as sums and products of it are exact, and allocates nothing. Its MPFI
-/// ends are made when they are asked for. Signs that are zero, for rays through edges and along tangents, are known
-/// this way: for a triangle in floats, with t, in a sixth of the time that MPFI took.
+/// A point that two doubles hold stays such a point as long as its sums and products are exact, and allocates nothing.
+/// Its MPFI ends are made on demand. Exact zeros, which rays through edges and along tangents give, are proved this
+/// way. For a triangle in floats, with t, this takes a sixth of the time that MPFI took.
 class Interval {
 public:
     /// Sets the working precision of this thread, in bits, for the lifetime of the scope.

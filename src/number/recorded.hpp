@@ -32,7 +32,7 @@ public:
         return *current_;
     }
 
-    /// An integer of the formula's text or an input, rounded to the recorder's format, or to binary64.
+    /// Adds an integer of the formula's text, or an input, rounded to the recorder's format or to binary64.
     virtual NodeId constant(int x, bool in_double) = 0;
     virtual NodeId input(double x, bool in_double) = 0;
     /// The result of an operation, comparisons and logic included; operands in the order of `TapeNode::operands`.
@@ -64,7 +64,7 @@ private:
     Recorder* before_;
 };
 
-/// The one way from the operators below to the recorder, out of line: a form has hundreds of them.
+/// Passes an operation to the recorder. Out of line, because a form has hundreds of operations.
 [[gnu::noinline]] inline NodeId record(TapeOp op, NodeId a, NodeId b = no_node, NodeId c = no_node) {
     return Recorder::current().apply(op, {a, b, c});
 }
@@ -91,9 +91,9 @@ private:
 };
 
 /// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
-/// exact values are found afterwards, by running the tape again over an exact number (measure/blame/attribution.hpp).
-/// So a pixel of a map and a single ray under study share one recording; they differ in the precision of the numbers
-/// that it is compared with.
+/// exact values are found afterwards, by running the tape again over an exact number (measure/blame/attribution.hpp). A
+/// pixel of a map and a single ray under study are recorded in the same way; only the precision of the exact values
+/// differs.
 template <bool in_double>
 class BasicRecorded {
 public:

@@ -15,8 +15,8 @@ namespace rounding {
 /// matters only where r itself lies exactly half way between two neighbours of f.
 double to_format(double r, int residual, const FloatFormat& f);
 
-/// The same operations through MPFR, with no assumption about range: the plain twin of the fast paths. The fast paths
-/// fall back on it if a residual would underflow.
+/// The same operations through MPFR, with no assumption about range: a simple reference for the fast paths, which fall
+/// back on it if a residual would underflow.
 double add_reference(double a, double b, const FloatFormat& f);
 double mul_reference(double a, double b, const FloatFormat& f);
 double div_reference(double a, double b, const FloatFormat& f);
@@ -66,7 +66,7 @@ public:
 
 private:
     [[noreturn]] static void refuse();
-    // constinit: other files read it without asking first whether it has been initialised.
+    // constinit: other files read it without first checking that it is initialised.
     static constinit thread_local const FloatFormat* current_;
     static constinit thread_local Engine engine_;
 };

@@ -93,12 +93,12 @@ inline constexpr NodeId no_node = -1;
 
 struct TapeNode {
     TapeOp op = TapeOp::constant;
-    std::uint8_t format = 0;  ///< of the result: its index in `Tape::formats`
+    std::uint8_t format = 0;  ///< format of the result: its index in `Tape::formats`
     /// Operands in the formula's order; select's are the decision and its two sides, an input's first is its number, a
     /// constant's its value.
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
     double value = 0;             ///< a number of the format, or a decision
-    std::string_view label = {};  ///< as `named` gave it; a literal of the source
+    std::string_view label = {};  ///< the name that `named` gave; a literal of the source
 };
 
 /// A `call` on the tape: its subject and its arguments.
@@ -126,7 +126,7 @@ public:
     TapeOutputs outputs;
     /// For a form that marches: the length of the tape after each sample of the field.
     std::vector<std::size_t> samples;
-    /// Answers true to every loop condition, for a tape of all that a form can ever do.
+    /// If true, every loop condition holds: the tape then has all operations that a form can ever do.
     bool every_loop = false;
     /// The name of every operation that is recorded while it is not empty (`Part`).
     std::string_view part = {};
@@ -159,13 +159,13 @@ public:
     }
     NodeId add_call(const Call& of, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
         const NodeId node = add(TapeOp::call, format, value);
-        nodes.back().label = {};  // by its own name, whichever part of a form it is in
+        nodes.back().label = {};  // a call has its own name, in every part of a form
         calls.push_back({node, of, std::move(arguments)});
         return node;
     }
     NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 
-    /// Names an operation once. A later name for the same value is another letter of the source for it and is ignored.
+    /// Names an operation once. Ignores a later name: the source then has two names for the same value.
     void name(NodeId i, std::string_view label) {
         if (TapeNode& n = (*this)[i]; n.label.empty() && is_operation(n.op)) n.label = label;
     }

@@ -100,7 +100,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));
         if (!fs::exists(state)) continue;  // stopped in the first one
-        CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that again with --resume"));
+        CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that command again with --resume"));
         // The first one is finished, and its state says so to the run that goes on.
         CHECK(fs::exists(scratch / "parts/first/binades.csv"));
         CHECK(fs::exists(first_state));
@@ -162,7 +162,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     refused(forged(tried, std::string(8, '\0'), 8), "is damaged");
     refused(forged(good.size() - 12, "", 4), "is damaged");
     refused(good.substr(0, good.size() - 9), "is damaged");
-    refused("lostbits-unfinished/3\nversion 0.1.0\n", "is damaged, or of another version");
+    refused("lostbits-unfinished/3\nversion 0.1.0\n", "is damaged or from another version");
     refused(state_of("sphere.unified"), "belongs to `lostbits sweep s.toml -i sphere.unified`");
     scratch.write("s.toml", small + "# changed\n");
     refused(good, "belongs to a run that read other files");
@@ -173,7 +173,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     // Of several sweeps those that have no state begin anew.
     scratch.write("t.toml", small);
     const std::string both = "-q sweep t.toml s.toml -i sphere.press --resume -o .";
-    CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: there is no such file"));
+    CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: does not exist"));
     write(good);
     must(both, scratch.path());
     CHECK(read_csv(scratch / "s/statements.csv").size() == 2);

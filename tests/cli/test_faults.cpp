@@ -74,7 +74,7 @@ TEST_CASE("two containers that write one folder at a time do not mix") {
         const auto r = run(both("map mine.toml -i sphere.press -f f64 --size 60x60 -o out"), scratch.path());
         const bool first = has(r.out, "0 2"), second = has(r.out, "2 0");
         CHECK((first || second || has(r.out, "0 0")));
-        CHECK((has(r.out, "0 0") || has(r.err, "another run is writing there")));
+        CHECK((has(r.out, "0 0") || has(r.err, "another run is writing to this folder")));
         const auto folder = scratch / "out/mine";
         std::vector<std::string> listed = Json::parse(contents(folder / "manifest.json")).at("files");
         listed.emplace_back("manifest.json");
@@ -175,7 +175,9 @@ TEST_CASE("a run that is killed while it replaces results says that they are not
         ++caught;
         CHECK(has(contents(folder / "UNFINISHED.txt"), "lostbits map mine.toml"));
         const auto r = run("diff out out", scratch.path());
-        CHECK(has(r.err, "out/mine: is not finished: the run that wrote there was stopped; UNFINISHED.txt says which"));
+        CHECK(has(r.err,
+                  "out/mine: is not finished: the run that wrote it was stopped; run the command in its UNFINISHED.txt "
+                  "again"));
     }
     CHECK(caught > 0);
     REQUIRE(Started(slow, scratch.path()).wait() == 0);

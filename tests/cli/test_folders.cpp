@@ -132,7 +132,7 @@ TEST_CASE("two runs do not write into one folder at a time") {
     REQUIRE(::flock(fd, LOCK_EX) == 0);
     const auto r = run("map mine.toml -i sphere.press -f f32 -o out", scratch.path());
     CHECK(r.code == 2);
-    CHECK(has(r.err, "another run is writing there"));
+    CHECK(has(r.err, "another run is writing to this folder"));
     ::close(fd);
     must("map mine.toml -i sphere.press -f f32 -o out", scratch.path());
 }

@@ -110,7 +110,7 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     refused_for("manifest.json", "is not a list of results");
     write(inputs / "elsewhere");
     fs::create_symlink(inputs / "elsewhere", folder / "contact.png");
-    refused_for("contact.png", "is a link, or lies behind one");
+    refused_for("contact.png", "is a link, or is reached through one");
     CHECK(contents(inputs / "elsewhere") == "precious");
     write(folder / "mine.txt");
     must(words, inputs / "");
@@ -118,7 +118,7 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     // A result that was replaced by a link since is somebody's own as well.
     fs::remove(folder / "summary.csv");
     fs::create_symlink(inputs / "elsewhere", folder / "summary.csv");
-    refused_for("summary.csv", "is a link, or lies behind one");
+    refused_for("summary.csv", "is a link, or is reached through one");
     CHECK(contents(inputs / "elsewhere") == "precious");
     must(words, inputs / "");
     fs::remove_all(folder);

@@ -124,7 +124,7 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     const auto few =
         run("map mine.toml -i 'sphere.*' -f p2..p53 --pictures all -o out", scratch.path(), "ulimit -n 128;");
     CHECK(few.code == 3);
-    CHECK(has(few.err, "files at once, and this machine lets a process have 128 open (`ulimit -n`)"));
+    CHECK(has(few.err, "files at once, but this machine allows a process only 128 open files (`ulimit -n`)"));
     CHECK(has(few.err, "select fewer forms, formats or metrics"));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
     if (under_sanitizer) return;
@@ -132,7 +132,7 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
                             "ulimit -v 2000000;");
     CHECK(little.code == 3);
     // Of memory, where the machine lets so many be open.
-    CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));
+    CHECK((has(little.err, " of memory, but only ") || has(little.err, "(`ulimit -n`)")));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
 }
 

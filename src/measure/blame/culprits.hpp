@@ -78,7 +78,7 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 /// Bits of the largest cancellation among the live operations whose operands carry error.
 int worst_cancellation(const Attribution& attribution);
 
-/// The same among the operations with that label; NaN if none has it.
+/// Bits of the largest such cancellation among the operations with that label; NaN if no operation has it.
 double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
 /// Walks the tapes of the rays of one form, one after another. Not for use by several threads at once.

@@ -25,7 +25,7 @@ struct QuickExact {
     static std::optional<bool> less(const Ball& a, const Ball& b) { return settled(a < b); }
     static std::optional<bool> less_equal(const Ball& a, const Ball& b) { return settled(a <= b); }
     static double nearest(const Ball& x) { return x.undefined() == Undefined::always ? std::nan("") : x.hi(); }
-    /// Zero if the bound leaves open if they differ.
+    /// computed − exact; zero if the bound does not settle whether they differ.
     static double difference(double computed, const Ball& exact) {
         const Ball d = lift(computed) - exact;
         return std::fabs(d.hi()) <= d.radius() ? 0 : d.hi() + d.lo();

@@ -42,7 +42,7 @@ struct TrueSolid {
 struct Explanation {
     const intersect::table::Intersector* form;
     Format format;
-    std::vector<std::string> names = {};  ///< of the inputs, in the tape's order
+    std::vector<std::string> names = {};  ///< names of the inputs, in the tape's order
     std::vector<double> inputs = {};      ///< as the form received them
     Range<double> range = {};             ///< range of the ray, in the format and in the unit of the form's t
     bool made_ray = false;                ///< a camera makes the ray: the true ray is ideal, the form's is computed

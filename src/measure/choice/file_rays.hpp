@@ -24,7 +24,7 @@ struct FileAnswers {
 struct FileRays {
     std::string id;    ///< names the results
     std::string name;  ///< names of the files, as typed
-    Format format;     ///< in which their numbers are stored
+    Format format;     ///< format in which their numbers are stored
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;      ///< numbers that the format cannot represent, and that were rounded
     std::vector<Worth> worth = {};  ///< one for each of the request's rows, over every ray
@@ -37,8 +37,8 @@ struct FileTerms {
     std::string id;  ///< what results are called
     /// Primitives of all rays. If there are none and no mesh, each ray has its own.
     std::vector<Solid<double>> solids = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
-    intersect::Info contract{};                                 ///< of the answers
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
+    intersect::Info contract{};                                 ///< contract of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
     [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }

@@ -60,8 +60,8 @@ struct SafeOffsets {
     std::uint64_t points = 0, rays = 0;         ///< number of points and rays measured
 };
 
-/// Finds them on a picture of at most `pixels`, fewer if there are many primitives. Nothing if the scene has too many,
-/// if the form marches, or if it answers no t.
+/// Finds these strategies on a picture of at most `pixels`, fewer if there are many primitives. Nothing if the scene
+/// has too many, if the form marches, or if it answers no t.
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit = {}, int pixels = 1024);
 

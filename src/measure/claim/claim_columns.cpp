@@ -41,8 +41,8 @@ std::string label_in(const std::string& operation) {
     return equals == std::string::npos ? "" : operation.substr(0, equals);
 }
 
-/// Operations of a form that a word stands for: the one with that expression, or those with that label. Throws
-/// InputError with did-you-mean.
+/// Operations of a form that `word` names: the one with that expression, or those with that label. Throws InputError
+/// with did-you-mean.
 std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const blame::Setting& setting) {
     const auto operations = blame::operation_names(*claim_row(claim).form, setting);
     std::vector<std::string> meant, known;

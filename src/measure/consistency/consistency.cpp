@@ -70,7 +70,8 @@ constexpr ConsistencyColumn column_rows[] = {
      [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
     {"by_inputs_fraction", "", "share of by_inputs", false, share_of<Accord::by_inputs>},
     {"apart_p50", "ulp",
-     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t|, as computed: "
+     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, as "
+     "computed: "
      "median",
      false, quantile_of<&C::apart, 50>},
     {"apart_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::apart, 99>},

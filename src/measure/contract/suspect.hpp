@@ -48,12 +48,12 @@ enum class Whose : std::uint8_t { intersector, file };
 /// `more_misses`: number of right misses in addition to those in `rays`.
 std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
 
-/// The same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called `where`.
-/// The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
+/// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
+/// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
 std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
                       const std::string& where);
-/// Puts that beginning in front of a suspicion, unless it is empty: `counted` of `all` rays were counted, and they are
+/// Puts that beginning in front of a suspicion, unless the suspicion is empty. `counted` of `all` rays were counted:
 /// the first `which`.
 std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
                        const std::string& suspicion);

@@ -75,7 +75,7 @@ struct FormSummary {
     explicit FormSummary(const std::vector<const metric::Metric*>& measured);
     /// Adds values to the distribution of metric m, or to the counts of its categories. Skips NaN.
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
-    /// Adds the summary of further rays, all of which come after those in this summary.
+    /// Adds the summary of further rays. All of them come after the rays in this summary.
     void append(FormSummary&& after);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     /// Number of all `wrong_decisions`.

@@ -142,7 +142,8 @@ private:
         RayGroup group;
         group.rays = chunk.rays;
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
-        // The last rays of a file that is not a picture of this size: `measure` refuses it.
+        // False for a list, and for the last piece of a file that is not a picture of this size, which `measure`
+        // refuses.
         const bool rows = width > 0 && n % width == 0 && chunk.first + n <= pixels();
         group.rays.width = static_cast<int>(rows ? width : n);
         group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
@@ -161,7 +162,7 @@ private:
         if (file_) piece.answers = answers_of(piece);
     }
 
-    /// The solids of all rays, a mesh as such: only of one there are cracks and double hits.
+    /// The primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
     [[nodiscard]] RayGroup group_of_solids() const {
         RayGroup group;
         group.solids = request_.solids;
@@ -268,10 +269,10 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_;             ///< the place of its row
-    scene::rays::SolidList<double> solids_;       ///< of all rays
-    std::optional<culling::Culler> culler_ = {};  ///< of all rays among those, which have a mesh
-    std::uint64_t read_ = 0;                      ///< pieces
+    std::optional<std::size_t> file_;             ///< index of the row of the file's answers
+    scene::rays::SolidList<double> solids_;       ///< primitives of all rays
+    std::optional<culling::Culler> culler_ = {};  ///< index over the primitives of all rays, if they have a mesh
+    std::uint64_t read_ = 0;                      ///< number of pieces read
     bool failed_ = false;
     JudgeResult result_;
 };

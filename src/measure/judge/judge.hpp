@@ -35,7 +35,7 @@ private:
 struct JudgeRequest {
     /// Primitives of all rays, in the format of the dump. If there are none and no mesh, each ray has its own.
     std::vector<Solid<double>> solids = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< form of the file's answers; null: the file has none

@@ -9,7 +9,7 @@ namespace lostbits::measure::judge {
 using answer::Outcome;
 
 NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
-    // Two primitives decide which hit is nearest: the form's and the true one.
+    // Two primitives decide which hit is nearest: that of the form and the true one.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
         if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);

@@ -1,5 +1,5 @@
-// AffineForm: a number that knows how it moves with each input, to first order, with a bound on the rest. It encloses
-// the result for every problem near one.
+// AffineForm: a number with its first-order dependence on each input and a bound on the rest. It encloses the results
+// of all problems near a given one.
 #pragma once
 
 #include <algorithm>
@@ -110,7 +110,7 @@ public:
         return (first_order + rest_) * up;
     }
 
-    /// Root searches in enclosures need these: a point of it, the numbers from one to another, the largest magnitude in
+    /// Root searches in enclosures need these: a point of an enclosure, the enclosure of two, the largest magnitude in
     /// one as a point, and its number of bits.
     friend AffineForm middle(const AffineForm& x) {
         AffineForm point;
@@ -129,9 +129,9 @@ public:
     [[nodiscard]] bool is_bounded() const { return deviation() + off() < HUGE_VAL; }
 
 private:
-    /// Makes up for the roundings of a bound: fewer than 2^10 of 2^-53 each.
+    /// Compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
     static constexpr double up = 1 + 0x1p-42;
-    static constexpr double tiny = 0x1p-500;  ///< more than the root of what squares lose to underflow
+    static constexpr double tiny = 0x1p-500;  ///< more than the root of the loss of squares to underflow
 
     static AffineForm unknown() {
         AffineForm x(0);
@@ -179,7 +179,7 @@ private:
             size += std::fabs(s) + std::fabs(t);
         }
         x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;
-        // Each of the two products and their sum: 3 · 2^-53, and what a product loses to underflow.
+        // Rounding of the two products and their sum, 3 · 2^-53, and the loss of a product to underflow.
         x.rest_ = rest == 0 && size == 0 ? 0 : (rest + size * 0x1p-51 + tiny * tiny) * up;
         return x;
     }

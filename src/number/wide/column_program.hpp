@@ -43,7 +43,7 @@ enum class ColumnOperation : std::uint8_t {
     // on several words: the operations of a whole step
     order_of_first_words,  ///< x, y, least: less yes, no, at most yes, no
     near_root_of_quartic,  ///< coefficients of x⁴, x², x, 1, begin, bound
-    /// Gives no number. If its mask is unset in every lane, no number recorded behind it is needed.
+    /// Gives no number. If its mask is unset in every lane, no number recorded after it is needed.
     gate,
 };
 inline constexpr std::size_t column_operations = static_cast<std::size_t>(ColumnOperation::gate) + 1;
@@ -113,10 +113,10 @@ struct ColumnInstruction {
 
 /// Instructions over columns of inputs and of constants, which compute all requested numbers.
 struct ColumnProgram {
-    int words = 1;           ///< of a bounded number
+    int words = 1;           ///< words of a bounded number
     std::size_t inputs = 0;  ///< columns 0 to inputs − 1
     std::size_t columns = 0;
-    std::vector<double> constants;  ///< of the places −1, −2, …
+    std::vector<double> constants;  ///< constants of the columns −1, −2, …
     std::vector<ColumnInstruction> instructions;
     std::vector<ColumnPlace> outputs;
 

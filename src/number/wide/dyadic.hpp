@@ -10,7 +10,7 @@
 
 namespace lostbits::number::wide {
 
-/// m·2^e with a double's m and any e, good to a double's last places.
+/// m·2^e with a double m and any e, accurate to the last places of a double.
 template <class For>
 struct Scaled {
     double m = 0;
@@ -37,8 +37,7 @@ struct Scaled {
 };
 
 /// ±Σ limb[i]·2^(32(first + i)). A finite double lies between 2^-1074 and 2^1024, so a sum of products of four of them,
-/// or of four sums of two, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for what the
-/// alignment takes.
+/// or of four sums of two, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for the alignment.
 template <class For>
 class Dyadic {
 public:
@@ -61,7 +60,7 @@ public:
     }
 
     [[nodiscard]] int sign() const { return size_ == 0 ? 0 : negative_ ? -1 : 1; }
-    /// Computed from the three highest limbs: good to a double's last place.
+    /// Value computed from the three highest limbs, accurate to the last place of a double.
     [[nodiscard]] Scaled<For> scaled() const {
         double top = 0;
         const int from = std::max(size_ - 3, 0);

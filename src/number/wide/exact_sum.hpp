@@ -26,14 +26,14 @@ public:
     void add_product(const P& x, const P& y) { add(product_of(x, y)); }
     [[nodiscard]] std::span<const P> words() const { return {words_.data(), used_}; }
 
-    /// The sum, good to 2^-59 of itself, zero where it is zero and nowhere else.
+    /// The sum, accurate to 2^-59 of itself. It is zero if and only if the exact sum is.
     ///
     /// A pass adds neighbours without error, from the first word to the last (VecSum of Ogita, Rump and Oishi,
-    /// "Accurate sum and dot product", 2005): the last word then is the sum as it rounds, the others are what was left
-    /// out, and all together are what they were. Each pass makes the others smaller by a factor of about size·u. Passes
-    /// end where the others come to no more than 2^-60 of the last word, or to nothing: all words are multiples of the
-    /// least last place among them, so they reach zero. `most_passes` are enough for 1600 bits between the largest and
-    /// the least.
+    /// "Accurate sum and dot product", 2005). The last word is then the rounded sum and the others are the rounding
+    /// errors; the sum of all words stays the same. Each pass makes the others smaller by a factor of about size·u. The
+    /// passes end if the others add up to at most 2^-60 of the last word, or to zero. They reach zero because all words
+    /// are multiples of the smallest last place among them. `most_passes` are enough for 1600 bits between the largest
+    /// word and the smallest.
     P value() {
         constexpr int most_passes = 40;
         if (used_ == 0) return P(0);

@@ -48,7 +48,7 @@ T taken_back(const W& x) {
     else return Wider<T>::narrow(x.hi);
 }
 
-/// Removes what a number records about its operations: the filter's own decisions are no part of the answer.
+/// Strips the record of a number's operations: the filter's own decisions are not part of the answer.
 template <class T>
 auto untold(const T& x) {
     if constexpr (tells_of_operations<T>) return x.value();
@@ -78,7 +78,7 @@ T told_of_call(const Call& of, const std::array<T, n>& arguments, const decltype
     return named(name_of(of.answer), called(of, std::span<const T>(arguments), value));
 }
 
-/// Smallest normal number of T: a product below it is off by up to u times this, whatever its own size.
+/// Smallest normal number of T: a product below it may be off by u times this number, however small the product is.
 template <class T>
 T least_normal() {
     if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
@@ -95,13 +95,14 @@ T root_of_least_normal() {
     else return sqrt(least_normal<T>());
 }
 
-/// True if numbers of T come as doubles whose products may overflow or underflow: `asked_lanes` then answers. Products
-/// of four floats do neither in double.
+/// True if numbers of T are computed in doubles whose products may overflow or underflow; `asked_lanes` then answers.
+/// Products of four floats do neither in double.
 template <class T>
 inline constexpr bool has_whole_range =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
 
-/// True if numbers of a wider word go below T's own. Some formats of fewer bits reach as low as double.
+/// True if the smallest normal number of the wider word is below that of T. Some formats of fewer bits reach as low as
+/// double.
 template <class T>
 mask_t<T> goes_deeper() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)

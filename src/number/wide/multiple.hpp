@@ -16,7 +16,7 @@ inline double binade(double x) {
     return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) & std::uint64_t{0xfff} << 52);
 }
 
-/// Largest magnitude of some numbers, and a power of two of which all are integer multiples.
+/// Largest magnitude of some numbers, and a power of two that divides them all.
 template <class P>
 struct Grid {
     P unit, size;
@@ -29,28 +29,31 @@ struct Grid {
         P size(0);
         ((size = max(size, abs(numbers))), ...);
         const P unit = binade(size) * power_of_two<P>(1 - bits), rounder = unit * P(0x1.8p+52);
-        // x + 1.5·2^52 U lies between 2^52 U and 2^53 U, so what the sum rounds to is a multiple of U.
+        // x + 1.5·2^52 U lies between 2^52 U and 2^53 U, so the rounded sum is a multiple of U.
         P left(0);
         ((left += abs(((numbers + rounder) - rounder) - numbers)), ...);
         return {unit, select(left <= P(0), size, P(HUGE_VAL))};
     }
 };
 
-/// A whole multiple x of a unit U, a power of two, with |x| ≤ S. Both are products and sums of those of the inputs, and
-/// S/U never becomes less, nor is U of a product below 2^-1000: else S is infinite. Where S < 2^100 U (with what sums
-/// of S round to) x is the two words, and so is all that it was made from:
+/// An integer multiple x of a unit U, a power of two, with |x| ≤ S. For a result, S is the sum or product of those of
+/// its operands, and U their minimum or product, so S/U never decreases. S is infinite if a product would have U below
+/// 2^-1000. If S < 2^100 U, with S as rounded sums give it, the two words are x exactly, and so they are for all
+/// numbers that x was computed from:
 ///
-///     a + b of one word   is one word, where S < 2^53 U as it rounds; else S is infinite
-///     a b of one word     is a product and what it rounds off, two words
-///     a + b               of the second words each is at most 2^-53 S, as is what the sum of the first leaves: with
-///                         that they are three multiples of U whose sum is at most 2^50 U, a double. It is less than
-///                         the sum of the first, or both are at most 2^51 U: either way two words are left
-///     a b                 a.lo b.lo is at most 2^-106 S < U, and so is 0; a.hi b.lo, a.lo b.hi and what a.hi b.hi
-///                         rounds off are at most 2^-53 S each: their sum is a double
-///     a b + c d + f g     what the three products leave, at most 3·2^-53 S, and what both sums of their first words do
-///                         are such doubles, and so is the sum of all
+///     a + b of one word   is one word if S, as rounded, is below 2^53 U; otherwise S is infinite
+///     a b of one word     is two words: the rounded product and its rounding error
+///     a + b               both second words and the rounding error of the sum of the first words are at most 2^-53 S
+///                         each. They are three multiples of U whose sum is at most 2^50 U, so a double holds it. This
+///                         sum is less than that of the first words, or both are at most 2^51 U. In either case two
+///                         words hold the result
+///     a b                 a.lo b.lo is at most 2^-106 S < U, so it is 0. a.hi b.lo, a.lo b.hi and the rounding error
+///                         of a.hi b.hi are at most 2^-53 S each, so a double holds their sum
+///     a b + c d + f g     the rounding errors of the three products, at most 3·2^-53 S, and those of both sums of
+///                         their first words are such doubles, and so is the sum of all of them
 ///
-/// A comparison of such numbers is decided, equality too; of others none is. Quotients and roots are no multiples.
+/// A comparison of such numbers is decided, equality included; a comparison with any other number is not. Quotients and
+/// roots are not multiples.
 template <class P>
 class Multiple {
 public:
@@ -61,7 +64,7 @@ public:
     /// A number on the grid.
     Multiple(const P& x, const Grid<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
 
-    /// The number, if it is known; otherwise its bound is infinity.
+    /// The number, with bound 0 if it is known and infinity otherwise.
     [[nodiscard]] Running<TwoWords<P>> running() const {
         using lostbits::select;
         return {w_, select(is_held(), P(0), P(HUGE_VAL))};
@@ -130,7 +133,7 @@ private:
         using lostbits::select;
         return select(a.unit_ * b.unit_ >= P(0x1p-1000), a.size_ * b.size_, P(HUGE_VAL));
     }
-    /// Product of the first words, and everything that it leaves.
+    /// Product of the first words, and the sum of all that remains.
     static W parts_of_product(const W& a, const W& b) {
         const W p = product_of(a.hi, b.hi);
         if (is_known_zero(a.lo) && is_known_zero(b.lo)) return p;

@@ -1,4 +1,4 @@
-// Proving: a number of a formula and a bound on its error, in its own format. A filter decides by it.
+// Proving: a number of a formula and a bound on its error, in its own format. Filters decide by these bounds.
 #pragma once
 
 #include "number/tri.hpp"
@@ -34,8 +34,8 @@ P outward_of() {
 /// 2u. The only subtraction is |b| − e_b, with e_b rounded up. No formula here has 400 such steps one after the other:
 /// (1 + 2u)^400 < 1 + 2^-10. If a word overflows, u|w| is infinite or NaN.
 ///
-/// A comparison takes d, the rounded difference, which has its sign, and e = (e_a + e_b)(1 + 2^-9), which covers 2^-10
-/// and what d itself is rounded by, u|d|.
+/// A comparison uses d, the rounded difference, which has the sign of the difference, and e = (e_a + e_b)(1 + 2^-9),
+/// which covers the 2^-10 and the rounding u|d| of d itself.
 template <class T>
 class Proving {
 public:

@@ -19,7 +19,7 @@ template <std::floating_point F>
 [[gnu::always_inline]] inline bool is_known_zero(const F& x) {
     return __builtin_constant_p(x) & (x >= 0) & (x <= 0);
 }
-/// Has no branch: each branch would stay in the code of a whole shape until the compiler knows its answer.
+/// It has no branch. A branch would stay in the code of a whole shape until the compiler knows its condition.
 template <class P>
 requires requires(const P& x) { x.words(); }
 [[gnu::always_inline]] inline bool is_known_zero(const P& x) {
@@ -93,18 +93,18 @@ private:
 ///
 /// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. A sum does not underflow: an operand
 /// too small for ε|w| to be normal is added exactly, or the sum rounds by no more than ε|w|. Each of the four products
-/// that make up one of two words can lose an η. The remainder of a quotient loses three before it is divided.
+/// inside a product of two words can lose an η. The remainder of a quotient loses three before it is divided.
 ///
 /// Each product in these bounds can lose an η too: `lost`, which is added once an operation that multiplies, is 2^75 η.
-/// Each of their steps loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included, and none
-/// subtracts but |b| − e_b, of e_b rounded up. Up to `longest_chain` of them, one after the other, come to less than
-/// the 2^-41 above: (1 + 2u)^n < exp(2nu) < 1 + 2nu + (2nu)² for 2nu < 1. A test counts those of every shape's span,
-/// its matrix and its roots.
+/// Each step of these bounds loses a factor of at most 1 + 2u, including the second words that |a| and |b| leave out.
+/// The only subtraction is |b| − e_b, with e_b rounded up. Up to `longest_chain` steps, one after the other, lose less
+/// than the 2^-41 above: (1 + 2u)^n < exp(2nu) < 1 + 2nu + (2nu)² for 2nu < 1. A test counts the steps of every shape's
+/// span, its matrix and its roots.
 ///
-/// Where a word overflows, the first is infinite or NaN, and so is ε|w|, but of one sum: of two numbers of one word
-/// each whose sum stays just within the range, what 2Sum subtracts can leave it, and {finite, NaN} comes of it. No
-/// comparison with that is decided, as `ends` adds the second words, and what is computed of it has a first word that
-/// is NaN.
+/// If a word overflows, the first word is infinite or NaN, and so is ε|w|. One kind of sum is an exception: if two
+/// numbers of one word each have a sum just within the range, a difference inside 2Sum can overflow, and the result is
+/// {finite, NaN}. No comparison with it is decided, because `ends` adds the second words, and every result computed
+/// from it has a first word that is NaN.
 template <class W>
 class Running {
 public:

@@ -53,9 +53,9 @@ struct TwoWords {
     friend TwoWords select(const mask_t<P>& mask, const TwoWords& a, const TwoWords& b) {
         return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
     }
-    /// The product and the sum, each off by its own error.
+    /// Rounds twice, for the product and for the sum.
     friend TwoWords fma(const TwoWords& a, const TwoWords& b, const TwoWords& c) { return a * b + c; }
-    /// Moves a by 2 `word_error` of itself: the distance of a neighbour if operations are good to `word_error`.
+    /// Moves a by 2 `word_error` of itself, the distance of a neighbour if operations are accurate to `word_error`.
     friend TwoWords next_up(const TwoWords& a) {
         return a + TwoWords(max(abs(a.hi) * power_of_two<P>(-101), next_up(P(0))));
     }

@@ -1,11 +1,11 @@
-// The doubles for "compute it in double inside" in a pack of floats.
+// The doubles in which formulas over a pack of floats compute inside.
 #pragma once
 
 #include "number/pack.hpp"
 
 namespace lostbits::number::wide {
 
-/// The doubles inside a pack of floats: as many lanes, twice the registers.
+/// The doubles for a pack of floats: the same number of lanes in twice as many registers.
 template <class Width>
 class WidePack {
 public:

@@ -27,8 +27,8 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<scene
 void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
                        const std::vector<measure::claim::ClaimResult>& results);
 
-/// Reach of the verdict: the condition of a qualified one, or what it rests on, "no worse case found in N evaluations;
-/// the worst is …". Empty if the statement speaks of single numbers.
+/// Scope of the verdict: its condition if it is qualified, otherwise its evidence, such as "no worse case found in N
+/// evaluations; the worst is …". Empty if the statement is only about single numbers.
 std::string evidence_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 
 /// In the order of `ClaimResult::State`.
@@ -44,7 +44,7 @@ std::string floats_text(const measure::claim::ClaimResult& result);
 std::string says_text(const scene::claim::Claim& claim);
 /// `expected to hold, but does not`, for a claim that does not agree.
 std::string changed_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
-/// Reason why a claim does not agree, in one line: the expected value, the measured one, and whether the verdict still
+/// One line for a claim that does not agree: the expected value, the measured one, and whether the verdict still
 /// follows.
 std::string explain(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 /// The metric behind a column of a summary: lost_bits for `lost_bits_p99`; null for an outcome.
@@ -58,7 +58,7 @@ std::string explain_witness(const scene::claim::Claim& claim, const measure::cla
 struct SubjectWords {
     std::string heading;  ///< heading of all claims about it: `near-benign, rendered`
     std::string where;    ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
-    std::string place;    ///< that position alone, for below the heading: `stage phong`
+    std::string place;    ///< that position alone, for texts below the heading: `stage phong`
     std::string command;  ///< command that measures it again with all files
 };
 
@@ -75,7 +75,7 @@ struct VerdictCounts {
     [[nodiscard]] std::string text() const;
 };
 
-/// Counts of the claims from a source and of our own.
+/// Counts of all claims, of those from a source, and of our own.
 struct CountsBySource {
     VerdictCounts all, sourced, own;
     /// `from a source: 1 holds, 1 is refuted; our own: 2 hold`; a part without claims is left out.

@@ -112,17 +112,14 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t other = claims.size() - counts.all.confirmed();
     std::string text = fmt::format(
-        "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. {} "
-        "claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition that "
-        "its "
-        "source does not state. The verdicts on {} follow from what the statement says about the number (\"says = "
-        "0\"); "
-        "the "
-        "others only describe a number. Every number was measured by the run "
-        "that made this page; a test makes the page again and compares. `lostbits report` makes the same page for "
-        "a browser, where each claim links to its pixels or its plot.\n\nClaims about random rays were measured on "
-        "several draws. All must lie in the claim's interval, which is the range over 32 draws, widened by half "
-        "on either side (in logarithms for onsets and fractions).\n{}",
+        "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "
+        "{} claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition "
+        "that its source does not state. The verdicts on {} follow from what the statement says about the number "
+        "(\"says = 0\"); the others only describe a number. Every number was measured by the run that made this "
+        "page; a test makes the page again and compares. `lostbits report` makes the same page for a browser, where "
+        "each claim links to its pixels or its plot.\n\nClaims about random rays were measured on several draws. All "
+        "must lie in the claim's interval, which is the range over 32 draws, widened by half on either side (in "
+        "logarithms for onsets and fractions).\n{}",
         draws_option(results), claims.size(),
         other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(),
         counts.all.with_criterion, screenshots_in(folder));

@@ -16,7 +16,8 @@ namespace {
 
 using namespace scene::claim;
 
-/// Words that differ from kind to kind. They follow the name of the subject: `kind` in a heading, `part` in a text.
+/// Words that differ from kind to kind of subject. `kind` follows the subject's name in a heading, and `part` in a
+/// text.
 struct KindWords {
     std::string command, kind = {}, part = {}, place = {};
     std::string at = {};  ///< numbers of a position on axes, which stand after the convention; `place` is empty
@@ -37,7 +38,7 @@ std::string metric_option(const Claim& c) {
                : " --metric " + shell_word(fmt::format("{}:{}", metric.substr(0, label), metric.substr(label + 1)));
 }
 
-/// A command: its own `options` stand before those of the form, and `more` after them.
+/// A command that measures the claim again. `options` precede those of the form, and `more` follows them.
 std::string asked(const Claim& c, const char* command, const std::string& options, const std::string& more = "") {
     return fmt::format("lostbits {} {}{} -i {} -f {}{} -o out", command, shell_word(c.subject_name()), options, c.form,
                        c.format, more);

@@ -29,9 +29,10 @@ using table::Table;
 namespace {
 
 constexpr const char* excess_unit = "ulps of the length";
-constexpr std::size_t on_ramp = accord_names.size();  ///< where numbers are compared and both rays hit
+/// Category of pixels where numbers are compared and both rays hit.
+constexpr std::size_t on_ramp = accord_names.size();
 
-/// How many ulps further apart than the exact ones both ends of a chord are.
+/// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
 
 pixel::Look look_of(const Check& check) {
@@ -100,7 +101,7 @@ image::SheetSpec sheet_spec(const ConsistencyRequest& request) {
 
 std::string note_of(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
-    // Whether an end at the hit counts is a convention: yes everywhere is no difference.
+    // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes = s.of(Accord::second_alone);
         return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
@@ -136,16 +137,18 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
             };
         };
         table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
-                    "|near + far from the other end - length| in ulps of the length", number(&AccordOfPixels::apart)},
-                   {fmt::format("{}_excess", check.name), "number", "ulp", "how far that is from the exact sum",
-                    number(&AccordOfPixels::excess)}});
+                    "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in "
+                    "ulps of t",
+                    number(&AccordOfPixels::apart)},
+                   {fmt::format("{}_excess", check.name), "number", "ulp",
+                    "difference between that and the same for the exact answers", number(&AccordOfPixels::excess)}});
     }
     return table;
 }
 
 Table<CheckRow> check_table() {
     using R = CheckRow;
-    Table<R> table{{"check", "string", "", "which questions are compared: a row of the checks",
+    Table<R> table{{"check", "string", "", "the check: which two questions are compared",
                     [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
     for (const auto& column : measure::consistency::consistency_columns())
@@ -160,7 +163,7 @@ Table<CheckRow> check_table() {
     };
     using Rays = decltype(CheckSummary{}.shown->rays);
     return table.add(
-        {{"first_x", "integer", "", "column of the first pixel that the form is to blame for",
+        {{"first_x", "integer", "", "column of the first pixel whose difference the form causes",
           [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->x) : file::Cell(); }},
          {"first_y", "integer", "", "its row",
           [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->y) : file::Cell(); }},

@@ -1,4 +1,5 @@
-// The files of questions put in two ways over a scene: pictures, the contact sheet, one row per pixel, summary.csv.
+// Files of a consistency run, which asks the same question in two ways at every pixel of a scene: pictures, the contact
+// sheet, one row per pixel, and summary.csv.
 #pragma once
 
 #include <filesystem>
@@ -11,22 +12,23 @@
 
 namespace lostbits::output::consistency {
 
+/// A pixel of a band, for the table of pixels.
 struct AccordPixel {
     const measure::consistency::ConsistencyBand* band;
     std::size_t i;
 };
 
-/// What a check finds of a row.
+/// Result of a check for a form in a format.
 struct CheckRow {
     const measure::consistency::Check* check;
     const measure::evaluate::TestedForm* row;
     const measure::consistency::CheckSummary* summary;
 };
 
-/// Opens every file at once, before any work, and gives all their final names in `finish`.
+/// Opens all files before the work starts. `finish` gives them their final names.
 ///
-/// All checks are on one page, checks across, forms and formats down; `<form>.<format>.<check>.png` is a cell of it,
-/// and `<form>.<format>.csv` has one row per pixel.
+/// One sheet shows all checks: checks across, forms and formats down. `<form>.<format>.<check>.png` is one of its
+/// cells. `<form>.<format>.csv` has one row per pixel.
 class ConsistencyFiles {
 public:
     /// `request` must outlive it.
@@ -40,7 +42,7 @@ private:
     pixel::SceneFilesOptions options_;
     table::TableFile<CheckRow> table_;
     pixel::ColumnFiles<measure::consistency::ConsistencyBand> pictures_;
-    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels_;  ///< of each row, where they are asked for
+    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels_;  ///< one per row, if asked for
 };
 
 }  // namespace lostbits::output::consistency

@@ -18,7 +18,7 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
-/// A decimal or C's hexadecimal float, with a sign or without.
+/// True for a decimal or a C hexadecimal float, with or without a sign.
 bool is_number(std::string_view text) {
     if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
     const bool hexadecimal = text.starts_with("0x");
@@ -29,7 +29,8 @@ bool is_number(std::string_view text) {
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }
 
-/// Whether a spreadsheet would work the text out, and could do harm with it: sums of plain numbers (`+2^127`) cannot.
+/// True if a spreadsheet would evaluate the text and could do harm with it. Sums of plain numbers (`+2^127`) are
+/// harmless.
 bool is_formula(std::string_view text) {
     if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
     return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
@@ -40,7 +41,7 @@ bool is_formula(std::string_view text) {
 Character first_character(std::string_view text) {
     const char *const begin = text.data(), *at = begin;
     const boost::locale::utf::code_point code = boost::locale::utf::utf_traits<char>::decode(at, begin + text.size());
-    // What is illegal or incomplete has a code beyond all characters.
+    // An illegal or incomplete sequence has a code beyond all characters.
     return code > 0x10FFFF ? Character{0xFFFD, 0} : Character{code, static_cast<std::size_t>(at - begin)};
 }
 
@@ -143,7 +144,7 @@ void CsvWriter::end_row() {
         filled_ = 0;
         return;
     }
-    // A lone missing cell would be a blank line, which readers skip.
+    // A row of one missing cell would be a blank line, which readers skip.
     if (line_.empty()) line_ = "\"\"";
     line_ += '\n';
     if (file_) file_->write(line_);

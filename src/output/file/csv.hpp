@@ -1,5 +1,4 @@
-// CSV that pandas, R, DuckDB and a spreadsheet read the same way, and the Frictionless description that travels beside
-// it.
+// CSV files that pandas, R, DuckDB and spreadsheets read in the same way, and their Frictionless description.
 #pragma once
 
 #include <cmath>
@@ -18,7 +17,7 @@
 
 namespace lostbits::output::file {
 
-/// One column: what the CSV header and `datapackage.json` say about it.
+/// Description of a column, for the CSV header and `datapackage.json`.
 struct Column {
     std::string name;     ///< `snake_case_unit`, unique in its file
     std::string type;     ///< `string`, `integer`, `number` or `boolean`
@@ -26,7 +25,7 @@ struct Column {
     std::string meaning;  ///< one sentence
 };
 
-/// One value of a row. Default-constructed it is missing, which is written as nothing at all.
+/// One value of a row. A default-constructed cell is missing and is written as an empty text.
 class Cell {
 public:
     Cell() = default;
@@ -46,44 +45,45 @@ public:
     /// The text between the commas, before quoting.
     [[nodiscard]] std::string text() const;
 
-    /// Whether a column of this type may hold the cell: a missing one fits everywhere, an integer fits `number`.
+    /// True if a column of this type may hold the cell: a missing cell fits every type, and an integer fits `number`.
     [[nodiscard]] bool fits(std::string_view column_type) const;
 
-    /// The value as a number, a boolean being 0 or 1; NaN of a text and where it is missing.
+    /// The value as a number; a boolean is 0 or 1. NaN for a text and for a missing cell.
     [[nodiscard]] double number() const;
 
 private:
     std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
 };
 
-/// Missing where x is NaN.
+/// A cell with x; missing if x is NaN.
 inline Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///
-/// The file has its final name only after `close`. Strings are written as `csv_text` says.
+/// The file has its final name only after `close`. Strings are written by `csv_text`.
 class CsvWriter {
 public:
     /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
     /// unknown type or a name used twice.
     CsvWriter(const std::filesystem::path& path, std::vector<Column> columns);
 
-    /// Rows alone, which `take_lines` gives: a part of a file that is put together elsewhere.
+    /// Makes rows without a file or a header, for a part of a file that is put together elsewhere. `take_lines` returns
+    /// them.
     explicit CsvWriter(std::vector<Column> columns) : columns_(std::move(columns)) {}
     [[nodiscard]] std::string take_lines() { return std::exchange(lines_, {}); }
-    /// No text at all: `take` is told each cell and the place of its column, from 0, row by row.
+    /// Makes no text: passes each cell to `take`, with the index of its column from 0, row by row.
     using TakeCell = std::function<void(std::size_t column, const Cell& cell)>;
     CsvWriter(std::vector<Column> columns, TakeCell take) : columns_(std::move(columns)), take_(std::move(take)) {}
-    /// Rows that such a writer of the same columns gave.
+    /// Adds rows that a writer of the same columns returned from `take_lines`.
     void add_lines(std::string_view lines);
 
-    /// Adds one cell to the current row. Throws std::logic_error when the row is full or the column has another type.
+    /// Adds one cell to the current row. Throws std::logic_error if the row is full or the column has another type.
     CsvWriter& add(const Cell& cell);
 
-    /// Ends the current row. Throws std::logic_error when cells are lacking.
+    /// Ends the current row. Throws std::logic_error if cells are missing from it.
     void end_row();
 
-    /// A whole row at once.
+    /// Adds a whole row.
     void row(std::initializer_list<Cell> cells) {
         for (const Cell& cell : cells) add(cell);
         end_row();
@@ -103,19 +103,19 @@ private:
 
     std::string line_, lines_;
     TakeCell take_ = {};
-    std::optional<AtomicFile> file_;  // none: the rows go to `lines_`
+    std::optional<AtomicFile> file_;  // none: rows go to `lines_` or `take_`
 };
 
-/// The text of a cell: `valid_utf8`, and with an apostrophe in front where a spreadsheet would take it for a formula,
-/// that is where it begins with = + - @, a tab or a carriage return and is neither a number nor made of digits and
-/// signs alone (`-`, `+2^127`).
+/// The text of a cell: `valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That is
+/// a text that begins with = + - @, a tab or a carriage return, unless it is a number or consists of digits and signs
+/// alone (`-`, `+2^127`).
 [[nodiscard]] std::string csv_text(std::string_view text);
 
-/// `text` as one RFC 4180 field: quoted only when it holds a comma, a quote or a line break.
+/// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
-/// The character at the head of a text that is not empty, and how many bytes it has: 0 where they are not UTF-8
-/// (overlong, surrogate, cut short).
+/// The first character of a text that is not empty, and its number of bytes: 0 if they are not UTF-8 (overlong,
+/// surrogate, cut short).
 struct Character {
     char32_t code;
     std::size_t size;
@@ -132,9 +132,9 @@ struct DataResource {
     std::vector<Column> columns;
 };
 
-/// Writes a Frictionless `datapackage.json` to `path`: each column's type, unit and meaning, and in the property
-/// `lostbits` the command and the program that made the files. Same input, same
-/// bytes: no timestamps, keys in a fixed order, resources in the order given. Throws EnvironmentError.
+/// Writes a Frictionless `datapackage.json` to `path`. It has each column's type, unit and meaning, and in the property
+/// `lostbits` the command and the program that made the files. The same input gives the same bytes: no timestamps, keys
+/// in a fixed order, resources in the given order. Throws EnvironmentError.
 void write_datapackage(const std::filesystem::path& path, const std::string& title,
                        const std::vector<DataResource>& resources);
 

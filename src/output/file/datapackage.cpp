@@ -11,7 +11,7 @@ namespace {
 
 using Json = OrderedJson;
 
-/// Frictionless names are lower-case letters, digits, `.`, `_`, `-`, `/`.
+/// Makes a Frictionless name, which has only lower-case letters, digits, `.`, `_`, `-` and `/`.
 std::string slug(std::string_view text) {
     std::string out;
     for (const char c : text) {

@@ -10,17 +10,17 @@
 namespace lostbits::output::file {
 namespace {
 
-/// What a terminal obeys instead of showing it, or shows elsewhere: controls of both sets, line and paragraph
-/// separators, marks and embeddings of direction, and what has no width.
+/// True for characters that a terminal obeys instead of showing, or shows elsewhere: the controls C0 and C1, line and
+/// paragraph separators, marks and embeddings of direction, and characters without width.
 bool is_obeyed(char32_t c) {
     return c < 0x20 || (c >= 0x7F && c <= 0x9F) || c == 0x61C || (c >= 0x200B && c <= 0x200F) ||
            (c >= 0x2028 && c <= 0x202E) || (c >= 0x2060 && c <= 0x206F) || c == 0xFEFF || c == 0xFFFE || c == 0xFFFF;
 }
 
-/// Or perhaps: of Unicode's spaces, which runners trim too, none is ASCII.
+/// True for a blank, and for every byte of a character that is not ASCII: runners also trim Unicode's other spaces.
 bool is_blank(char c) { return c == ' ' || c == '\t' || static_cast<unsigned char>(c) >= 0x80; }
 
-/// Whether a runner of jobs obeys the line that stands there: the first thing on it is `::`.
+/// True if a CI runner takes the line at `at` for a command: it begins with `::`, perhaps after blanks.
 bool begins_command(std::string_view text, std::size_t at) {
     if (!text.substr(at).starts_with("::")) return false;
     while (at > 0 && is_blank(text[at - 1])) --at;
@@ -46,7 +46,7 @@ std::string shown(std::string_view text, bool one_line) {
     return out;
 }
 
-/// With each of these characters as `%` and its two digits.
+/// Replaces each of these characters by `%` and its two hexadecimal digits.
 std::string percent(std::string_view text, std::string_view those) {
     std::string out;
     for (const char c : text) {
@@ -56,15 +56,15 @@ std::string percent(std::string_view text, std::string_view those) {
     return out;
 }
 
-/// What no document is to hold: controls of both sets (tab and line feed are text), what turns other text around, so
-/// that a table or a comment can be made to read as what it is not, the separators that some readers end a line at, and
-/// what is no character.
+/// True for characters that no document should hold: the controls C0 and C1 (tab and line feed are text); characters
+/// that reverse other text, which could make a table or a comment read as something else; separators at which some
+/// readers end a line; and codes that are not characters.
 bool is_unshowable(char32_t c) {
     return (c < 0x20 && c != '\n' && c != '\t') || (c >= 0x7F && c <= 0x9F) || c == 0x61C || c == 0x200E ||
            c == 0x200F || (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFFFE || c == 0xFFFF;
 }
 
-/// On one line, of characters that every reader takes and shows where they stand.
+/// One line of characters that every reader accepts and shows in their place.
 std::string plain_line(std::string_view text) {
     std::string line = xml_text(text);
     std::ranges::replace_if(
@@ -92,7 +92,7 @@ std::string xml_text(std::string_view text) {
 
 namespace {
 
-/// Whether a reader of Markdown takes what stands there for one character: `&lt;`, `&#60;`.
+/// True if a Markdown reader takes the text at `at` for one character: `&lt;`, `&#60;`.
 bool is_entity(std::string_view line, std::size_t at) {
     if (line[at] != '&') return false;
     const auto end = std::ranges::find_if_not(
@@ -117,12 +117,12 @@ std::string markdown_text(std::string_view text) {
 
 std::string markdown_code(std::string_view text) {
     std::string line = plain_line(text);
-    // A fence of one more than the longest run of backticks inside.
+    // A fence has one backtick more than the longest run of them inside.
     std::size_t longest = 0, run = 0;
     for (const char c : line) longest = std::max(longest, run = c == '`' ? run + 1 : 0);
     const std::string fence(longest + 1, '`'), gap = longest > 0 || line.empty() ? " " : "";
     for (std::size_t at = 0; (at = line.find('|', at)) != std::string::npos; at += 2) {
-        // A backslash in front would take the one that is put there.
+        // A backslash in front would escape the backslash that is inserted here.
         if (at > 0 && line[at - 1] == '\\') line.insert(at++, " ");
         line.insert(at, "\\");
     }
@@ -141,8 +141,8 @@ std::string workflow_value(std::string_view text) { return percent(terminal_text
 std::string c_comment(std::string_view text) {
     std::string out;
     for (const char each : plain_line(text)) {
-        // A backslash at the end of a line joins the next; two question marks may begin a trigraph, of which `??/` is
-        // one.
+        // A backslash at the end of a line joins the next line to it. Two question marks may begin a trigraph; `??/` is
+        // a backslash.
         const char c = each == '\\' ? '/' : each, last = out.empty() ? ' ' : out.back();
         if ((last == '*' && c == '/') || (last == '/' && c == '*') || (last == '?' && c == '?')) out += ' ';
         out += c;
@@ -152,7 +152,7 @@ std::string c_comment(std::string_view text) {
 
 std::string line_comment(std::string_view text) {
     std::string line = plain_line(text);
-    // GCC joins lines also where blanks stand behind the backslash.
+    // GCC also joins lines if blanks follow the backslash.
     const std::string_view ended = std::string_view(line).substr(0, line.find_last_not_of(' ') + 1);
     return ended.ends_with('\\') || ended.ends_with("?\?/") ? line + "." : line;
 }
@@ -160,7 +160,7 @@ std::string line_comment(std::string_view text) {
 std::string c_string(std::string_view text) {
     std::string out = "\"";
     const auto add_bytes = [&out](std::string_view bytes) {
-        // Three digits always: a digit may come next.
+        // Always three digits, because a digit may follow.
         for (const char c : bytes) out += fmt::format("\\{:03o}", static_cast<unsigned char>(c));
     };
     for (std::size_t at = 0; at < text.size();) {

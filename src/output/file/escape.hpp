@@ -1,6 +1,6 @@
-// Text that users write, for where it goes: one function per kind of output. `csv_field` (csv.hpp), `html`
-// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit`
-// (measure/blame/tape_text.hpp) and nlohmann's JSON are the others.
+// Escapes text that users wrote: one function per kind of output. Others are `csv_field` (csv.hpp), `html`
+// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit` (measure/blame/tape_text.hpp) and
+// nlohmann's JSON.
 #pragma once
 
 #include <string>
@@ -8,46 +8,48 @@
 
 namespace lostbits::output::file {
 
-/// For a terminal or a log of a job: what would move the cursor, colour, or hide or turn around other text is written
-/// as `\x1b` (a byte) or `\u{202e}` (a character), and so is a byte that is not UTF-8. A line that a runner of jobs
-/// would take for a command (`::error`, `##[error]`) gets `\x3a` or `\x23` in it. Line breaks and tabs stay.
+/// For a terminal or the log of a CI job. Characters that would move the cursor, change colours, or hide or reverse
+/// other text are written as `\x1b` (a byte) or `\u{202e}` (a character); so is every byte that is not UTF-8. In a line
+/// that a CI runner would take for a command (`::error`, `##[error]`), the first `:` becomes `\x3a` or the first `#`
+/// becomes `\x23`. Line breaks and tabs stay.
 [[nodiscard]] std::string terminal_text(std::string_view text);
 
-/// The same on one line: a line break is `\n`, a tab `\t`.
+/// The same on one line: a line break becomes `\n` and a tab `\t`.
 [[nodiscard]] std::string terminal_line(std::string_view text);
 
-/// For XML 1.0, before a library writes `&lt;`: U+FFFD in place of every character that no document may hold (U+0000
-/// to U+001F but tab and line feed, U+FFFE, U+FFFF), of the controls U+007F to U+009F, of what turns text around or
-/// separates lines (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069) and of every byte that is not UTF-8; a
-/// carriage return, which readers turn into a line feed, is one.
+/// For XML 1.0, before a library writes `&lt;`. U+FFFD replaces: characters that no document may hold (U+0000 to U+001F
+/// except tab and line feed, U+FFFE, U+FFFF); the controls U+007F to U+009F; characters that reverse text or separate
+/// lines (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069); and every byte that is not UTF-8. A carriage
+/// return, which readers turn into a line feed, becomes a line feed.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
-/// For a line of Markdown: no markup, no tag, no link, no line break, and no end of a cell of a table. Emphasis stays.
+/// For a line of Markdown. The text cannot make a tag, a link, a line break or the end of a table cell. Emphasis stays.
 [[nodiscard]] std::string markdown_text(std::string_view text);
 
-/// As code in a line of Markdown, cells of tables included.
+/// As code in a line of Markdown, also in a table cell.
 [[nodiscard]] std::string markdown_code(std::string_view text);
 
-/// As what a link or a picture leads to: a relative path.
+/// As the target of a link or a picture: a relative path.
 [[nodiscard]] std::string markdown_path(std::string_view path);
 
-/// What stands behind the second `::` of a command to GitHub's runner, which reads `terminal_text` back from it.
+/// As the text after the second `::` of a command to GitHub's runner. The runner reads `terminal_text` back from it.
 [[nodiscard]] std::string workflow_text(std::string_view text);
 
-/// The value of `file=`, `line=` or `title=` of such a command.
+/// As the value of `file=`, `line=` or `title=` in such a command.
 [[nodiscard]] std::string workflow_value(std::string_view text);
 
-/// Inside a comment of C, between `/*` and `*/`.
+/// For a C comment, between `/*` and `*/`.
 [[nodiscard]] std::string c_comment(std::string_view text);
 
-/// Behind `//` in C, C++ and GLSL: one line, which neither a backslash nor a trigraph at its end joins to the next.
-/// Every other character stays, so that a command can be copied from it.
+/// For a comment after `//` in C, C++ and GLSL: one line, which no backslash or trigraph at its end joins to the next.
+/// All else stays, so that a command can be copied from it.
 [[nodiscard]] std::string line_comment(std::string_view text);
 
-/// A literal of C and of C++, quotation marks included, from which a compiler reads the same bytes back.
+/// As a string literal of C and C++, with its quotation marks. A compiler reads the same bytes back.
 [[nodiscard]] std::string c_string(std::string_view text);
 
-/// A basic string of TOML, quotation marks included. Bytes that are not UTF-8, which no TOML holds, are U+FFFD.
+/// As a basic string of TOML, with its quotation marks. U+FFFD replaces bytes that are not UTF-8, which TOML cannot
+/// hold.
 [[nodiscard]] std::string toml_string(std::string_view text);
 
 }  // namespace lostbits::output::file

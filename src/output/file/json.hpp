@@ -1,4 +1,4 @@
-// JSON files, whose numbers may be infinite or NaN and whose text may not be UTF-8.
+// JSON files. Their numbers may be infinite or NaN, and their text may hold bytes that are not UTF-8.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@ namespace lostbits::output::file {
 /// Members stay in the order in which they are added.
 using OrderedJson = nlohmann::ordered_json;
 
-/// A number that is infinite or NaN is the string "inf", "-inf" or "nan".
+/// A number. If it is infinite or NaN, it becomes the string "inf", "-inf" or "nan".
 inline OrderedJson json_number(double x) { return std::isfinite(x) ? OrderedJson(x) : OrderedJson(decimal(x)); }
 
-/// As a file: two blanks a level, bytes that are not UTF-8 replaced.
+/// Text of a file: indented by two blanks per level, with bytes that are not UTF-8 replaced.
 inline std::string json_text(const OrderedJson& json) {
     return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }

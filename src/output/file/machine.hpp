@@ -1,4 +1,5 @@
-// What this machine has left for a run. In a header: the image module links nothing of the program.
+// Memory and open files that this machine has left for a run. All in a header, because the image module does not link
+// the program.
 #pragma once
 
 #include <sys/resource.h>
@@ -16,7 +17,7 @@
 
 namespace lostbits::output::file {
 
-/// The number behind `MemAvailable:` and the like, in a file of /proc or /sys; `otherwise` where there is none.
+/// The number after a word such as `MemAvailable:` in a file of /proc or /sys; `otherwise` if there is none.
 inline std::uint64_t number_behind(const char* path, const std::string& word, std::uint64_t otherwise) {
     std::ifstream in(path);
     for (std::string read; in >> read;) {
@@ -26,8 +27,8 @@ inline std::uint64_t number_behind(const char* path, const std::string& word, st
     return otherwise;
 }
 
-/// Bytes of memory that this process may still take, as far as the system says: what is free, what the control group
-/// allows, and what RLIMIT_AS (`ulimit -v`) leaves.
+/// Bytes of memory that this process may still take: the least of the free memory, the limit of the control group and
+/// that of RLIMIT_AS (`ulimit -v`), as far as the system reports them.
 inline std::uint64_t free_memory() {
     constexpr auto all = std::numeric_limits<std::uint64_t>::max();
     const auto kib = number_behind("/proc/meminfo", "MemAvailable:", all / 1024);
@@ -45,7 +46,7 @@ inline std::uint64_t free_memory() {
     return left;
 }
 
-/// `1.5 GB`.
+/// Number of bytes as text: `1.5 GB`.
 inline std::string bytes_text(std::uint64_t bytes) {
     constexpr std::array<const char*, 6> units{" bytes", " kB", " MB", " GB", " TB", " PB"};
     std::size_t unit = 0;
@@ -56,16 +57,16 @@ inline std::string bytes_text(std::uint64_t bytes) {
            units[unit];
 }
 
-/// EnvironmentError where this machine has not so much memory left.
+/// Throws EnvironmentError if this machine has less memory left.
 inline void require_memory(std::uint64_t bytes, const std::string& what, const std::string& remedy) {
     const std::uint64_t left = free_memory();
     if (bytes <= left) return;
-    throw EnvironmentError(what + ": needs " + bytes_text(bytes) + " of memory, and " + bytes_text(left) +
-                           " are free; " + remedy);
+    throw EnvironmentError(what + ": needs " + bytes_text(bytes) + " of memory, but only " + bytes_text(left) +
+                           " is free; " + remedy);
 }
 
-/// EnvironmentError where this process may not have so many more files open at once, or has not the memory for their
-/// buffers: 256 KiB each, and somewhat more. A few stay for libraries.
+/// Throws EnvironmentError if this process may not open this number of further files, or lacks the memory for their
+/// buffers: 256 KiB each, and a little more. A few files are reserved for libraries.
 inline void require_open_files(std::uint64_t files, const std::string& what, const std::string& remedy) {
     constexpr std::uint64_t spare = 16, bytes_each = 288 * 1024;
     std::error_code unknown;
@@ -77,8 +78,8 @@ inline void require_open_files(std::uint64_t files, const std::string& what, con
     if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
         files + open + spare > limit.rlim_cur)
         throw EnvironmentError(what + ": writes " + std::to_string(files) +
-                               " files at once, and this machine lets a process have " +
-                               std::to_string(limit.rlim_cur) + " open (`ulimit -n`); " + remedy);
+                               " files at once, but this machine allows a process only " +
+                               std::to_string(limit.rlim_cur) + " open files (`ulimit -n`); " + remedy);
     require_memory(files * bytes_each, what + ": writes " + std::to_string(files) + " files at once", remedy);
 }
 

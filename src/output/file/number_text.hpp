@@ -1,4 +1,4 @@
-// Numbers as text that reads back to the same bits, and lists.
+// Writes numbers as text that reads back to the same bits, and lists.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace lostbits::output::file {
 
-/// The shortest decimal that reads back to the same double; `nan` (any NaN), `inf`, `-inf`, and `-0` keeps its sign.
+/// The shortest decimal that reads back to the same double; `nan` for any NaN, `inf`, `-inf`. `-0` keeps its sign.
 [[nodiscard]] std::string decimal(double value);
 
 /// The shortest decimal that reads back to the same float: `0.1`, not `0.10000000149011612`.
@@ -19,7 +19,7 @@ namespace lostbits::output::file {
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
 
-/// Numbers as `text` writes each, with `between` between two of them.
+/// A list of numbers, each written by `text`, with `between` between them.
 template <class Numbers>
 [[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view between) {
     std::string list;
@@ -27,14 +27,14 @@ template <class Numbers>
     return list;
 }
 
-/// `a, b and c`
+/// A list of words: `a, b and c`.
 [[nodiscard]] std::string enumerated(const std::vector<std::string>& words);
 
-/// What `decimal` or `hex` wrote, whatever the locale says of commas; nothing for any other text, and for a number that
-/// no double holds.
+/// Reads a number that `decimal` or `hex` wrote, in every locale. Nothing for any other text, and for a number outside
+/// the range of a double.
 [[nodiscard]] std::optional<double> number_in(std::string_view text);
 
-/// The double nearest to digits · 10^exponent: 0 or infinite beyond its range.
+/// The double nearest to digits · 10^exponent; 0 or infinity outside its range.
 [[nodiscard]] double nearest_double(std::string_view digits, long exponent);
 
 }  // namespace lostbits::output::file

@@ -18,15 +18,15 @@
 namespace lostbits::output::file {
 namespace {
 
-// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
-// slot to null owns the string: the handler never frees what it took, which leaks a name in a process that is ending
+// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. The one who exchanges
+// a slot to null owns the string. The handler never frees a string, which leaks a name in a process that is ending
 // anyway.
 struct Slots {
     std::array<std::atomic<char*>, 1024> names{};
     std::atomic<Slots*> next{nullptr};
 };
 Slots first_slots;
-// Threads read and free names under it; the handler, which frees none, does without.
+// Threads read and free names under this mutex. The handler frees none and does not lock it.
 std::mutex names_mutex;
 std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
@@ -34,7 +34,7 @@ static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is
 std::atomic<int> threads_creating{0};
 std::atomic<bool> is_ending{false};
 
-/// Calls `use` on slot after slot, until it answers true or all were there.
+/// Calls `use` on each slot until it returns true; false if it never does.
 template <class Use>
 bool any_slot(const Use& use) {
     for (Slots* block = &first_slots; block != nullptr; block = block->next.load()) {
@@ -50,7 +50,7 @@ void add_slots() {
         if (block->next.compare_exchange_strong(next, fresh.get())) break;
         block = next;
     }
-    static_cast<void>(fresh.release());  // for as long as the process lives
+    static_cast<void>(fresh.release());  // lives as long as the process
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ bool is_live(const std::string& prefix, std::size_t letters) {
 void remove_partial_files() noexcept {
     const int saved = errno;
     is_ending = true;
-    // No longer than a second: a copy of the process has the count and not the thread.
+    // Waits at most a second: a forked copy of the process has the count but not the thread.
     for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
     any_slot([](std::atomic<char*>& slot) {
         if (const char* const name = slot.exchange(nullptr)) ::unlink(name);

@@ -148,7 +148,7 @@ void Estimate::advance(std::uint64_t n) {
     const std::lock_guard lock(mutex_);
     now_ = {now_.units + n, std::chrono::duration<double>(Clock::now() - start_).count()};
     if (first_.units == 0) first_ = now_;
-    // One look is enough: after the first piece a short run stays short.
+    // One estimate is enough: a run that is short after its first part stays short.
     if (now_.seconds - first_.seconds < first_piece_s || said_.exchange(true)) return;
     if (const auto text = estimate_text(name_, first_, now_, total_, starts_)) progress_.say(*text);
 }

@@ -16,7 +16,8 @@
 namespace lostbits::output::file {
 namespace {
 
-/// Walks once over the text. Doubled quotes close up in place, so that each cell is one piece of it.
+/// Goes over the text once. It replaces doubled quotes by single ones in place, so that each cell is one piece of the
+/// text.
 class Parser {
 public:
     Parser(std::string& text, const std::string& source) : text_(text), source_(source) {}
@@ -24,10 +25,10 @@ public:
     bool at_end() const { return at_ == text_.size(); }
     std::size_t line() const { return line_; }
     void skip_byte_order_mark() {
-        if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // what spreadsheets put in front
+        if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // spreadsheets write it
     }
 
-    /// The cells up to the end of the row, which is passed.
+    /// Reads the cells of a row and moves past its end.
     void row(std::vector<std::string_view>& cells) {
         cells.clear();
         do cells.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted() : plain());
@@ -97,7 +98,7 @@ bool take(std::string_view& text, std::string_view any_of_these) {
     return true;
 }
 
-/// Moves the digits at the head of `text` to `digits` and says how many they were.
+/// Moves the digits at the beginning of `text` to `digits` and returns their number.
 std::size_t take_digits(std::string_view& text, std::string& digits, std::string_view allowed) {
     const std::size_t n = std::min(text.find_first_not_of(allowed), text.size());
     digits += text.substr(0, n);
@@ -105,11 +106,11 @@ std::size_t take_digits(std::string_view& text, std::string& digits, std::string
     return n;
 }
 
-/// digits* ('.' digits*)? (mark sign? decimal+)?, as digits and the power of the base that they are to be multiplied
-/// with: `exponent` counts decimal places, or binary ones for base 16.
+/// Reads digits* ('.' digits*)? (mark sign? decimal+)? as digits and an exponent: the value is the digits times
+/// 10^exponent, or 2^exponent for hexadecimal digits.
 bool scan(std::string_view text, bool hexadecimal, std::string& digits, int& exponent) {
     constexpr int most = 10000;
-    // 2^-1200 is 839 decimal digits long, 2^-10000 would be 6990 that ten letters ask for.
+    // 2^-1200 has 839 decimal digits. 2^-10000 would have 6990, from a cell of ten letters.
     const int most_power = hexadecimal ? 1200 : most;
     const std::string_view allowed = hexadecimal ? "0123456789abcdefABCDEF" : "0123456789";
     take_digits(text, digits, allowed);
@@ -126,7 +127,7 @@ bool scan(std::string_view text, bool hexadecimal, std::string& digits, int& exp
     return true;
 }
 
-/// m · 2^e as n · 10^f, exactly: 2^e is 5^-e · 10^e.
+/// Converts m · 2^e to n · 10^f exactly: 2^e = 5^-e · 10^e.
 void to_decimal(std::string& digits, int& exponent) {
     using boost::multiprecision::cpp_int;
     cpp_int n("0x" + digits);

@@ -27,7 +27,7 @@ namespace {
 constexpr const char* marker_name = "UNFINISHED.txt";
 constexpr const char* marker_words = "The results in this folder are not complete.";
 
-/// The folders that are some run's own now.
+/// The folders that runs of this process own now.
 struct Owned {
     std::mutex mutex;
     std::vector<ResultFolder*> folders;
@@ -42,13 +42,13 @@ fs::path plain(const fs::path& path) {
     return whole.has_filename() ? whole : whole.parent_path();
 }
 
-/// The name inside the folder; empty for what lies elsewhere.
+/// Name of a path inside the folder; empty if the path is elsewhere.
 std::string name_in(const fs::path& folder, const fs::path& path) {
     const fs::path inside = plain(path).lexically_relative(folder);
     return inside.empty() || *inside.begin() == ".." ? "" : inside.generic_string();
 }
 
-/// What this program writes, and people look at for its results.
+/// True for files that people take for results of this program.
 bool looks_like_a_result(const fs::path& path) {
     constexpr std::array<std::string_view, 4> endings{".png", ".csv", ".exr", ".html"};
     return std::ranges::find(endings, path.extension().string()) != endings.end() ||
@@ -73,7 +73,7 @@ std::string text_in(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Whether a run that lives writes the folder of this marker.
+/// True if a live run is writing the folder that holds this marker.
 bool is_held(const fs::path& marker) {
     const int fd = ::open(marker.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) return false;
@@ -83,10 +83,11 @@ bool is_held(const fs::path& marker) {
 }
 
 InputError another_run(const fs::path& folder) {
-    return InputError(folder.string() + ": another run is writing there; wait for its end, or choose another -o");
+    return InputError(folder.string() +
+                      ": another run is writing to this folder; wait until it ends, or choose another -o");
 }
 
-/// `lostbits check`: which command it was, without its words.
+/// The program and its command without arguments: `lostbits check`.
 std::string kind_of(const std::string& command) {
     const auto name = command.find(' ');
     return name == std::string::npos ? command : command.substr(0, command.find(' ', name + 1));
@@ -104,8 +105,8 @@ std::string ResultFolder::unfinished_in(const fs::path& folder) {
     const fs::path marker = folder / marker_name;
     if (!text_in(marker).starts_with(marker_words)) return "";
     if (is_held(marker))
-        return fmt::format("{}: is not finished: a run is writing there now; wait for its end", folder.string());
-    return fmt::format("{}: is not finished: the run that wrote there was stopped; {} says which, run it again",
+        return fmt::format("{}: is not finished: a run is writing to it now; wait until it ends", folder.string());
+    return fmt::format("{}: is not finished: the run that wrote it was stopped; run the command in its {} again",
                        folder.string(), marker_name);
 }
 
@@ -130,7 +131,7 @@ ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
         for (const std::string& name : earlier_) scene::toml::note_written(folder_ / name);
     }
     lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    // A file system without locks answers otherwise, and then nobody can tell.
+    // A file system without locks gives another error. Then another run cannot be detected.
     if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(lock_);
         throw another_run(folder);
@@ -150,7 +151,7 @@ ResultFolder::~ResultFolder() {
     if (marker_ >= 0) ::close(marker_);
     if (lock_ >= 0) ::close(lock_);
     std::error_code ignored;
-    for (const auto& part : made_) fs::remove(part, ignored);  // one that is not empty stays
+    for (const auto& part : made_) fs::remove(part, ignored);  // folders that are not empty stay
 }
 
 void ResultFolder::refuse_strange_results() const {
@@ -165,21 +166,22 @@ void ResultFolder::refuse_strange_results() const {
     if (strange.empty()) return;
     std::ranges::sort(strange);
     const std::string more = strange.size() == 1 ? "" : fmt::format(" and {} more", strange.size() - 1);
-    throw InputError(
-        fmt::format("{}: holds results that are not in its {}: {}{}; they would stand among those of this run: choose "
-                    "another -o, move them away, or add --force to leave them there",
-                    folder_.string(), list_name, strange.front(), more));
+    throw InputError(fmt::format(
+        "{}: holds results that are not in its {}: {}{}; they would be mixed with the results of this run; choose "
+        "another -o, move them away, or add --force to leave them there",
+        folder_.string(), list_name, strange.front(), more));
 }
 
-/// Without it nobody would know what of the folder is whose.
+/// Throws InputError if a file that is not our list has its name: without a list the owner of a file is unknown.
 void ResultFolder::refuse_strange_list() const {
     std::error_code ignored;
     const fs::path list = folder_ / list_name;
     const auto status = fs::symlink_status(list, ignored);
     if (!fs::exists(status) || (fs::is_regular_file(status) && !made_in(folder_).empty())) return;
-    throw InputError(list.string() +
-                     ": is not a list of results, and this run's would take its place; move it away, or choose another "
-                     "-o");
+    throw InputError(
+        list.string() +
+        ": is not a list of results, and this run would replace it with its own; move it away, or choose another "
+        "-o");
 }
 
 void ResultFolder::refuse_strange(const std::string& name) {
@@ -194,8 +196,8 @@ void ResultFolder::refuse_strange(const std::string& name) {
     const bool own = earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
     if (own && !elsewhere && !fs::is_symlink(status)) return;
     throw InputError(fmt::format(
-        "{}: {}, and a result of this run would take its place; move it away, or choose another -o", path.string(),
-        elsewhere || fs::is_symlink(status) ? "is a link, or lies behind one"
+        "{}: {}, and a result of this run would replace it; move it away, or choose another -o", path.string(),
+        elsewhere || fs::is_symlink(status) ? "is a link, or is reached through one"
                                             : fmt::format("is not in the {} of its folder", list_name)));
 }
 
@@ -203,14 +205,15 @@ namespace {
 
 EnvironmentError lasting(const fs::path& path, const std::string& why) {
     return EnvironmentError(fmt::format(
-        "{}: is a result of an earlier run and cannot be removed: {}; it would stand among those of this run: remove "
-        "it, or choose another -o",
+        "{}: is a result of an earlier run and cannot be removed: {}; it would be mixed with the results of this run; "
+        "remove it, or choose another -o",
         path.string(), why));
 }
 
 }  // namespace
 
-/// As far as the permissions of folders tell, before there is any work.
+/// Throws EnvironmentError before the work starts, if the permissions of folders show that earlier results cannot be
+/// removed.
 void ResultFolder::refuse_lasting_results() const {
     std::error_code ignored;
     for (const std::string& name : earlier_) {
@@ -226,7 +229,7 @@ void ResultFolder::clear_earlier() const {
     const fs::path real = fs::canonical(folder_, ignored);
     for (const std::string& name : earlier_) {
         const fs::path path = folder_ / name;
-        // Through a link to elsewhere a listed name would be somebody else's file.
+        // A listed name that leads through a link to another folder would be somebody else's file.
         const fs::path parent = fs::canonical(path.parent_path(), ignored);
         if (ignored || name_in(real, parent / "x").empty() || !fs::is_regular_file(fs::symlink_status(path, ignored)))
             continue;
@@ -243,19 +246,19 @@ void ResultFolder::begin() {
     const std::string old = text_in(marker);
     if (!old.empty() && !old.starts_with(marker_words))
         throw InputError(marker.string() +
-                         ": is the name under which a run says that it is not done; rename that file");
+                         ": has the name of the file in which a run says that it is not finished; rename that file");
     marker_ = ::open(marker.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (marker_ < 0)
         throw EnvironmentError(fmt::format("{}: cannot create: {}; choose another -o", marker.string(),
                                            std::generic_category().message(errno)));
-    // Where a folder cannot be locked (NFS), this tells of the other run, late.
+    // If the folder itself cannot be locked (NFS), this detects the other run, although later.
     if (::flock(marker_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) throw another_run(folder_);
     const std::string text = fmt::format(
-        "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that again{}: it replaces them and removes "
-        "this file.\n",
+        "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that command again{}. It replaces the results "
+        "and removes this file.\n",
         marker_words, valid_utf8(made_by_.command),
-        rules_.resumes ? " with --resume, which goes on from what it kept (without, it begins anew)" : "");
-    // Written before it is cut: nobody reads an empty one of a run that has results.
+        rules_.resumes ? " with --resume to continue where it stopped (without --resume it starts over)" : "");
+    // Writes the text before it cuts the file, so that nobody ever reads an empty marker of a run that has results.
     if (::pwrite(marker_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
         ::ftruncate(marker_, static_cast<off_t>(text.size())) != 0)
         throw EnvironmentError(fmt::format("{}: cannot write: {}; free space or choose another -o", marker.string(),
@@ -263,7 +266,7 @@ void ResultFolder::begin() {
     if (!rules_.keep) clear_earlier();
 }
 
-/// 0, or why it could not be removed.
+/// Removes the marker. Returns 0, or the error number if it could not be removed.
 int ResultFolder::remove_marker() noexcept {
     if (marker_ < 0) return 0;
     const int error_number = ::unlink((folder_ / marker_name).c_str()) == 0 ? 0 : errno;
@@ -275,9 +278,9 @@ int ResultFolder::remove_marker() noexcept {
 void ResultFolder::complete() {
     const std::lock_guard lock(mutex_);
     if (const int error_number = remove_marker(); error_number != 0)
-        throw EnvironmentError(fmt::format("{}: cannot be removed: {}; the results beside it are whole, remove it",
-                                           (folder_ / marker_name).string(),
-                                           std::generic_category().message(error_number)));
+        throw EnvironmentError(
+            fmt::format("{}: cannot be removed: {}; the results in the folder are complete, so remove this file",
+                        (folder_ / marker_name).string(), std::generic_category().message(error_number)));
 }
 
 void ResultFolder::note(const std::string& name) {
@@ -334,7 +337,7 @@ void forget_result(const fs::path& path) {
     std::error_code error;
     fs::remove(path, error);
     if (error)
-        throw EnvironmentError(fmt::format("{}: is not needed any more and cannot be removed: {}; remove it",
+        throw EnvironmentError(fmt::format("{}: is no longer needed and cannot be removed: {}; remove it",
                                            path.string(), error.message()));
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->forget(name);

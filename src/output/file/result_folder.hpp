@@ -1,4 +1,4 @@
-// A folder of results belongs to the run that wrote them, which leaves a list of them.
+// Folders of results. A folder belongs to the run that writes it, and the run leaves a list of its results there.
 #pragma once
 
 #include <filesystem>
@@ -11,31 +11,33 @@
 
 namespace lostbits::output::file {
 
-/// What made a file, as the files that can hold it say.
+/// The run that made a file. Files that can hold it have it as metadata.
 struct MadeBy {
-    std::string command;  ///< what to type to make it again
+    std::string command;  ///< the command that makes the file again
     std::string program;  ///< `lostbits 0.1.0`
-    /// Of every form from outside its name and what it is: the library, or the shader with its driver and how that
+    /// Name and description of every external intersector: its library, or its shader with the driver and how that
     /// rounds.
     std::vector<std::pair<std::string, std::string>> forms = {};
 };
 
+/// Options of a folder of results.
 struct ResultFolderRules {
-    bool force = false;  ///< results that no list names may lie there; they stay, and no result takes their place
-    /// Others keep files there on purpose, so results that no list names are no offence; and what another command of
-    /// this program made there stays, and stays on the list.
+    bool force = false;  ///< results that no list names are allowed there; they stay and are not replaced
+    /// Others keep files there on purpose. Results that no list names are allowed. Results of other commands of this
+    /// program stay, and stay on the list.
     bool shared = false;
-    bool keep = false;     ///< what the earlier run listed stays: this run goes on with it
-    bool resumes = false;  ///< a run that is stopped leaves how far it came, and `--resume` goes on from there
+    bool keep = false;     ///< files that the earlier run listed stay: this run continues it
+    bool resumes = false;  ///< a stopped run leaves its state, and `--resume` continues from it
 };
 
-/// A folder that is a run's own while this lives.
+/// A folder of results that this run owns for the lifetime of the object.
 ///
-/// Every file that gets its final name in it is listed in `manifest.json` before it is there. In front of the first of
-/// them goes what the list of an earlier run names, so a folder never holds the results of two runs, and a run that
-/// ends before it has results leaves those that were there. What no list names is somebody's own and stays. What
-/// killed runs left half written (`.NAME.partial-…`) goes at once, unless its run is alive. From the first result to
-/// the last the folder holds `UNFINISHED.txt`, which says so: a run that is killed, or ends by an exception, leaves it.
+/// Every file is listed in `manifest.json` before it gets its final name in the folder. Just before the first result,
+/// the files on the list of an earlier run are removed. So a folder never holds the results of two runs, and a run that
+/// ends without results leaves the earlier ones. Files that no list names belong to somebody else and stay.
+/// Half-written files of killed runs (`.NAME.partial-…`) are removed at once, unless their run is alive. From the first
+/// result to the last the folder holds `UNFINISHED.txt`, which says that it is not finished; a run that is killed or
+/// ends by an exception leaves that file.
 class ResultFolder {
 public:
     using Rules = ResultFolderRules;
@@ -45,24 +47,24 @@ public:
         std::set<std::string> files;
     };
 
-    /// InputError where the folder holds results that no list names, and where another run writes there;
-    /// EnvironmentError where it cannot be made, and where results of an earlier run cannot be removed.
+    /// Throws InputError if the folder holds results that no list names, or if another run is writing to it;
+    /// EnvironmentError if the folder cannot be made, or if results of an earlier run cannot be removed.
     ResultFolder(std::filesystem::path folder, MadeBy made_by, Rules rules);
-    /// The results are complete, unless an exception is on its way. A folder that was made for it and is empty goes
-    /// again.
+    /// Marks the results as complete, unless an exception is propagating. Removes the folder if this object made it and
+    /// it is empty.
     ~ResultFolder();
     ResultFolder(const ResultFolder&) = delete;
     ResultFolder& operator=(const ResultFolder&) = delete;
 
-    /// The results are whole, and the folder says so from here on, whatever becomes of the run: whoever prints
-    /// something about them calls it before, since a reader that is gone (`| head`) ends the program there.
-    /// EnvironmentError where the folder would go on to say that it is not finished.
+    /// Marks the results as complete, whatever happens to the run afterwards. Call it before printing anything about
+    /// the results, because a closed pipe (`| head`) ends the program there. EnvironmentError if the file that says
+    /// that the folder is not finished cannot be removed.
     void complete();
 
-    /// What the folder's list says made it; nothing where there is no list, or none of ours.
+    /// The run that made the folder, by its list; nothing if there is no list or it is not one of ours.
     [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
 
-    /// Of a folder whose results are not complete, a sentence that says so and what to do; empty otherwise.
+    /// A sentence that says that the results of a folder are not complete, and what to do; empty if they are complete.
     [[nodiscard]] static std::string unfinished_in(const std::filesystem::path& folder);
 
 private:
@@ -88,41 +90,42 @@ private:
     Rules rules_;
     std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
-    std::vector<Made> others_;  // of other commands, where the folder is shared
+    std::vector<Made> others_;  // files of other commands, if the folder is shared
     std::mutex mutex_;
     bool begun_ = false;
     int lock_ = -1, marker_ = -1;
-    int exceptions_ = 0;  // on their way when it was made
+    int exceptions_ = 0;  // number of exceptions that were propagating when it was made
 };
 
-/// The list that a run leaves in its folder: what made which files.
+/// Name of the list that a run leaves in its folder: its files and the command that made them.
 inline constexpr const char* list_name = "manifest.json";
-/// What the list of a folder names, the last run first; nothing where there is no list, or none of ours.
+/// The runs and files on the list of a folder, the last run first; nothing if there is no list or it is not one of
+/// ours.
 [[nodiscard]] std::vector<ResultFolder::Made> made_in(const std::filesystem::path& folder);
 /// The contents of a list.
 [[nodiscard]] std::string list_text(const ResultFolder::Made& last, const std::vector<ResultFolder::Made>& others);
 
-/// Of AtomicFile: this file is about to get its final name.
+/// Called by AtomicFile when a file is about to get its final name.
 void note_result(const std::filesystem::path& path);
 
-/// Of AtomicFile: InputError where what stands under this name in a folder that is a run's own is somebody else's: no
-/// list names it, or it is a link or lies behind one.
+/// Called by AtomicFile. Throws InputError if the path is in the folder of a run and a file there belongs to somebody
+/// else: no list names it, or it is a link or is reached through one.
 void require_own(const std::filesystem::path& path);
 
-/// Removes a file that is no result any more, and takes it from the list: how far an unfinished run came.
+/// Removes a file and takes it from the list, for the state of an unfinished run, which is no longer needed.
 void forget_result(const std::filesystem::path& path);
 
-/// Whether the path lies in a folder that is a run's own now.
+/// True if the path is in a folder that a run of this process owns now.
 [[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
 
-/// Forms from outside as one text: `NAME: what it is`, a line each.
+/// External intersectors as one text: a line `NAME: description` for each.
 [[nodiscard]] std::string words_of_forms(const MadeBy& by);
 
-/// Adds `lostbits:command`, `lostbits:program` and, where there are any, `lostbits:forms` of the run whose folder the
-/// path lies in, where they are missing.
+/// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run whose folder the path is
+/// in. Skips empty ones and those that `attributes` already has.
 void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
-/// The run whose folder the path lies in; nothing outside of all.
+/// The run whose folder the path is in; nothing if it is in none.
 [[nodiscard]] std::optional<MadeBy> maker_of(const std::filesystem::path& path);
 
 }  // namespace lostbits::output::file

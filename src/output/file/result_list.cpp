@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* schema = "lostbits-manifest/1";
 
-/// A name that stays in its folder, whatever somebody wrote into the list.
+/// True if a name stays inside its folder, whatever somebody wrote into the list.
 bool stays_inside(const std::string& name) {
     const fs::path path(name);
     return !name.empty() && path.is_relative() &&

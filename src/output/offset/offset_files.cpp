@@ -30,10 +30,10 @@ namespace {
 
 constexpr const char* safe_unit = "ulps of the largest coordinate";
 
-/// Pixels on which form and truth do not meet the same primitive, or the point is not finite.
+/// Category of pixels at which form and truth do not meet the same primitive, or the point is not finite.
 const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
 
-/// Fate of the rays of a strategy at a point. If there are several, the first in this list.
+/// Result for the rays of a strategy at a point. If several apply, the first in this list counts.
 enum class Fate : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
 pixel::Look fate_look() {
     return {{no_point,

@@ -40,10 +40,10 @@ struct StrategyRow {
 [[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
                                                      const std::vector<measure::offset::OffsetSummary>& summaries);
 
-/// Opens every file at once, before any work, and gives all their final names in `finish`.
-/// All offsets are on one page: the smallest safe offset and the strategies across; forms, formats, kinds of points and
-/// sides down. `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells.
-/// `<form>.<format>.<point>.csv` has one row per pixel.
+/// Opens all files before the work starts. `finish` gives them their final names. One sheet shows all offsets: the
+/// smallest safe offset and the strategies across; forms, formats, kinds of points and sides down.
+/// `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has
+/// one row per pixel.
 class OffsetFiles {
 public:
     /// `request` must outlive it.

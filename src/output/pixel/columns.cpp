@@ -28,7 +28,7 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
     }
     for (const ColumnSpec& column : columns_) {
         if (!has_singles_) break;
-        pages.stop.check();  // sixty pictures of a large scene take twenty seconds to open
+        pages.stop.check();  // opening sixty pictures of a large scene takes twenty seconds
         open_single(pages, column);
     }
 }
@@ -67,7 +67,7 @@ void ColumnWriter::put(std::size_t column, int y0, const Strip& strip) {
     else single.bare->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
 }
 
-/// A name once, in the order of the columns.
+/// Lists each name once, in the order of the columns.
 std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet, bool all) const {
     std::vector<LegendEntry> entries;
     std::vector<bool> occurs;
@@ -112,7 +112,7 @@ void ColumnWriter::finish_single(std::size_t c) {
 }
 
 void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
-    // Side by side: the legend and the last of a picture are its own.
+    // In parallel: each picture has its own legend and its own file.
     intersect::process::in_parallel(std::size_t{0}, singles_.size(), [this](std::size_t c) { finish_single(c); });
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
         const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];

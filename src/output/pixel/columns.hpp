@@ -1,4 +1,5 @@
-// Columns of pixels and their files: each column is a cell of one sheet and, where asked for, a picture of its own.
+// Columns of pixels and their files. A column has one value per pixel of a scene; it is drawn as cells of contact
+// sheets and, if asked for, as a picture of its own.
 #pragma once
 
 #include <filesystem>
@@ -17,23 +18,23 @@
 
 namespace lostbits::output::pixel {
 
-/// A place on one of the sheets.
+/// Position of a cell on one of the sheets.
 struct SheetPlace {
     std::size_t across = 0, down = 0, sheet = 0;
 };
 
-/// What a column says once: its name, what its pixels are and what the picture of it says.
+/// Description of a column: its file, the texts of its picture, and how its pixels are drawn.
 struct ColumnSpec {
-    std::string file;  ///< of its own picture
+    std::string file;  ///< name of its own picture
     std::string title = {};
     std::vector<std::string> subtitle = {};  ///< below the scene's title
     std::shared_ptr<const Look> look;
-    std::vector<SheetPlace> places = {};  ///< on sheets; empty: on none
-    bool bare = false;                    ///< its own picture has nothing around its pixels, which are not enlarged
-    std::string widest_caption = {};      ///< room below its own picture; see `HeatmapSpec`
+    std::vector<SheetPlace> places = {};  ///< its cells on sheets; empty: none
+    bool bare = false;                    ///< its own picture has only the pixels, without texts, and not enlarged
+    std::string widest_caption = {};      ///< space for the caption below its own picture; see `HeatmapSpec`
 };
 
-/// Some scanlines of a column.
+/// Colours of some scanlines of a column, and the number of pixels of each category in them.
 struct Strip {
     std::vector<image::Rgb8> colours;
     CategoryCounts counts;
@@ -48,18 +49,18 @@ void fields(Bits& bits, Strip& strip) {
 /// A sheet of columns.
 struct Sheet {
     std::filesystem::path file;
-    image::SheetSpec spec;  ///< without its legend and the size of its cells, which follow
-    bool counted = false;   ///< its legend has room for counts
+    image::SheetSpec spec;  ///< without the legend and the size of the cells, which are added later
+    bool counted = false;   ///< its legend has space for counts
 };
 
-/// Which files of a scene are wished for, and where.
+/// Selects the files that are written for a scene, and their folder.
 struct SceneFilesOptions {
-    std::filesystem::path folder;               ///< of this scene; made if missing
-    bool pixels_csv = false;                    ///< also one row per pixel
-    std::string command = {};                   ///< what to type to make these files again, for the header of an EXR
-    bool singles = false;                       ///< also a picture for each cell of the sheet
-    std::vector<file::DataResource> also = {};  ///< other tables in the folder
-    std::filesystem::path sheet_alone = {};     ///< a file: the sheet there is all that is written; without a folder
+    std::filesystem::path folder;               ///< the folder of this scene; made if missing
+    bool pixels_csv = false;                    ///< also a table with one row per pixel
+    std::string command = {};                   ///< the command that makes these files again, for the header of an EXR
+    bool singles = false;                       ///< also a picture of its own for each cell of the sheet
+    std::vector<file::DataResource> also = {};  ///< further tables in the folder
+    std::filesystem::path sheet_alone = {};     ///< a file: only the sheet is written, to this file; `folder` is empty
 
     [[nodiscard]] std::filesystem::path sheet() const {
         return sheet_alone.empty() ? folder / "contact.png" : sheet_alone;
@@ -67,45 +68,45 @@ struct SceneFilesOptions {
     [[nodiscard]] std::filesystem::path folder_of_singles() const { return singles ? folder : std::filesystem::path(); }
 };
 
-/// What is known of a sheet in the end.
+/// Properties of a sheet that are known only at the end.
 struct SheetEnd {
-    std::vector<std::size_t> order = {};  ///< of its cells across; see `ContactSheet::finish`
-    std::string remark = {};              ///< behind the first entry of its legend
+    std::vector<std::size_t> order = {};  ///< order of its cells across; see `ContactSheet::finish`
+    std::string remark = {};              ///< appended to the first entry of its legend
 };
 
-/// The sheets of a scene's columns, and where their own pictures go.
+/// The sheets of a scene's columns, and the folder of the columns' own pictures.
 struct Pages {
     const scene::file::Scene& scene;
     std::vector<Sheet> sheets;
-    std::filesystem::path singles = {};  ///< a folder; empty: no column has a picture of its own
+    std::filesystem::path singles = {};  ///< folder of the columns' own pictures; empty: they have none
     intersect::process::StopToken stop = {};
-    bool opened = true;  ///< else no file is: strips are drawn and kept elsewhere
+    bool opened = true;  ///< false: no file is opened; strips are drawn here and written elsewhere
 };
 
-/// Writes what columns draw. Different columns may be served at the same time, each from top to bottom.
+/// Writes the strips that columns draw. Different columns may be written at the same time, each from top to bottom.
 class ColumnWriter {
 public:
     /// Opens every file.
     ColumnWriter(Pages pages, std::vector<ColumnSpec> columns);
 
     [[nodiscard]] const Look& look(std::size_t column) const { return *columns_[column].look; }
-    /// Whether any file has it.
+    /// True if any file shows the column.
     [[nodiscard]] bool shows(std::size_t column) const { return has_singles_ || !columns_[column].places.empty(); }
     [[nodiscard]] Strip strip(std::size_t column, std::size_t pixels) const;
     void put(std::size_t column, int y0, const Strip& strip);
-    /// Pixels of each category so far.
+    /// Number of pixels of each category that were written so far.
     [[nodiscard]] const CategoryCounts& counts(std::size_t column) const { return counts_[column]; }
-    /// Below a cell of a sheet.
+    /// Sets the text below a cell of a sheet.
     void set_note(SheetPlace place, std::string note) {
         sheets_[place.sheet]->set_note(place.across, place.down, std::move(note));
     }
-    /// Below a column's own picture, where it has room for it.
+    /// Sets the text below a column's own picture. The picture shows it only if its `widest_caption` reserved space.
     void set_caption(std::size_t column, std::string caption) { captions_[column] = std::move(caption); }
-    /// Gives all files their final names. `ends`: of each sheet, or none.
+    /// Gives all files their final names. `ends` has one entry per sheet, or is empty.
     void finish(const std::vector<SheetEnd>& ends = {});
 
 private:
-    /// Of one of the sheets, where not `all` only what has a pixel.
+    /// Legend of a sheet: every category if `all`, otherwise only those that have a pixel.
     [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet, bool all) const;
     void open_single(const Pages& pages, const ColumnSpec& column);
     void finish_single(std::size_t column);
@@ -118,21 +119,21 @@ private:
     std::uint64_t pixels_;
     bool has_singles_;
     std::vector<ColumnSpec> columns_;
-    std::vector<CategoryCounts> counts_;  ///< of each column
-    std::vector<std::string> captions_;   ///< the same
-    std::vector<Single> singles_;         ///< the same; empty: none
+    std::vector<CategoryCounts> counts_;  ///< one per column
+    std::vector<std::string> captions_;   ///< one per column
+    std::vector<Single> singles_;         ///< one per column, or empty
     std::vector<std::unique_ptr<image::ContactSheet>> sheets_;
 };
 
-/// A column that is drawn of bands.
+/// A column that is drawn from bands.
 template <class Band>
 struct PixelColumn {
     ColumnSpec about;
-    std::size_t row = 0;  ///< of which it takes the bands
+    std::size_t row = 0;  ///< the row whose bands it draws
     std::function<void(const Band&, const Look&, Strip&)> draw;
 };
 
-/// What `of` says of each pixel of a band, a `PixelValue`.
+/// Returns a function that draws a band: `of(band, i)` is the `PixelValue` of pixel i.
 template <class Band, class Of>
 std::function<void(const Band&, const Look&, Strip&)> drawn_by(Of of) {
     return [of](const Band& band, const Look& look, Strip& strip) {
@@ -144,13 +145,14 @@ std::function<void(const Band&, const Look&, Strip&)> drawn_by(Of of) {
     };
 }
 
+/// The columns of all rows and the files that show them.
 template <class Band>
 class ColumnFiles {
 public:
     ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
         : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
 
-    /// What so many pixels of a row are, as each of its columns that a file has draws them.
+    /// Draws this number of pixels of a row, one strip for each of its columns that a file shows.
     [[nodiscard]] std::vector<Strip> draw(std::size_t row, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
         for (const std::size_t c : shown_of(row)) {
@@ -159,7 +161,7 @@ public:
         }
         return strips;
     }
-    /// The same, from line `y0` on, into the files. Different rows may come at the same time.
+    /// Writes these strips to the files from scanline `y0` on. Different rows may be written at the same time.
     void put(std::size_t row, int y0, const std::vector<Strip>& strips) {
         std::size_t next = 0;
         for (const std::size_t c : shown_of(row)) writer_.put(c, y0, strips.at(next++));

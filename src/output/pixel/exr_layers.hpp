@@ -1,4 +1,4 @@
-// Layers of an EXR: each says once which channels it has and what stands in them.
+// Layers of an EXR file: each states its channels and how their samples are computed.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace lostbits::output::pixel {
 
-/// `0 agree_hit, 1 agree_miss`: names by their numbers, for an attribute.
+/// Text for an attribute that gives each name its number: `0 agree_hit, 1 agree_miss`.
 [[nodiscard]] std::string numbered(const auto& names, const char* between = ", ") {
     std::string text;
     for (std::size_t k = 0; k < names.size(); ++k)
@@ -19,11 +19,11 @@ namespace lostbits::output::pixel {
     return text;
 }
 
-/// Of a Band, which is pixels from left to right and from top to bottom.
+/// Layers that are computed from a Band: its pixels from left to right and from top to bottom.
 template <class Band>
 class ExrLayers {
 public:
-    /// `put(band, i, words)` writes the samples of pixel i, one a channel.
+    /// Adds channels. `put(band, i, words)` writes the samples of pixel i, one per channel.
     template <class Put>
     void add(std::vector<image::Channel> channels, Put put) {
         fills_.push_back(
@@ -32,20 +32,20 @@ public:
              }});
         channels_.insert(channels_.end(), channels.begin(), channels.end());
     }
-    /// FLOAT: what `of(band, i)` is, rounded to binary32.
+    /// Adds a channel of type FLOAT: `of(band, i)`, rounded to binary32.
     template <class Of>
     void add_number(std::string name, Of of) {
         add({{std::move(name)}},
             [of](const Band& band, std::size_t i, std::uint32_t* at) { *at = image::float_word(of(band, i)); });
     }
-    /// UINT.
+    /// Adds a channel of type UINT: `of(band, i)`.
     template <class Of>
     void add_count(std::string name, Of of) {
         add({{std::move(name), image::Channel::Type::u32}}, [of](const Band& band, std::size_t i, std::uint32_t* at) {
             *at = static_cast<std::uint32_t>(of(band, i));
         });
     }
-    /// R, G and B in linear light.
+    /// Adds the channels R, G and B in linear light.
     template <class Of>
     void add_preview(Of of) {
         add({{"R"}, {"G"}, {"B"}}, [of](const Band& band, std::size_t i, std::uint32_t* at) {
@@ -54,7 +54,7 @@ public:
     }
 
     [[nodiscard]] const std::vector<image::Channel>& channels() const { return channels_; }
-    /// So many pixels, as `image::ExrBook::write_rows` takes them.
+    /// Samples of this number of pixels, as `image::ExrBook::write_rows` takes them.
     [[nodiscard]] std::vector<std::uint32_t> samples(const Band& band, std::size_t pixels) const {
         std::vector<std::uint32_t> all(pixels * channels_.size());
         for (const auto& [place, fill] : fills_) fill(band, all.data() + place, pixels, channels_.size());
@@ -63,7 +63,7 @@ public:
 
 private:
     struct Fill {
-        std::size_t place;  ///< of its first channel
+        std::size_t place;  ///< index of its first channel
         std::function<void(const Band&, std::uint32_t* at, std::size_t pixels, std::size_t each)> put;
     };
     std::vector<image::Channel> channels_;

@@ -1,4 +1,4 @@
-// How a pixel of a column looks: its number on a scale, or its category's colour.
+// Colour of a pixel of a column: its number on a colour scale, or the colour of its category.
 #pragma once
 
 #include <cmath>
@@ -20,50 +20,51 @@ namespace lostbits::output::pixel {
     return image::outcome_colours[static_cast<std::size_t>(o)];
 }
 
-/// What a pixel may be in place of a number, or beside it.
+/// A kind of pixel: instead of a number, or in addition to one.
 struct Category {
-    std::string name;  ///< as legends have it; empty: no legend lists it
+    std::string name;  ///< its name in legends; empty: no legend lists it
     image::Rgb8 colour = {};
-    std::string on_sheet = {};  ///< its name where several columns share a legend; empty: the same
+    std::string on_sheet = {};  ///< its name in the legend of a sheet; empty: `name`
 };
 
-/// A pixel of a column: it is counted as its category; its number is drawn, or else the colour that it brings itself,
-/// or else the category's.
+/// A pixel of a column. It is counted in its category. Its colour is that of `value` on the scale, or else `colour`, or
+/// else the colour of its category.
 struct PixelValue {
     std::size_t category = 0;
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<image::Rgb8> colour = {};
 };
 
-/// Pixels of each category.
+/// Number of pixels of each category.
 using CategoryCounts = std::vector<std::uint64_t>;
 
+/// How the pixels of a column are coloured and what its legend says.
 struct Look {
     std::vector<Category> categories;
     std::optional<image::ColourScale> scale = {};
-    std::string unit = {};  ///< over the bar of the scale
-    /// Makes the legend of counts in place of the categories, of no counts the widest one, in a picture of so many
-    /// pixels; none: see `legend`.
+    std::string unit = {};  ///< unit above the colour bar
+    /// Makes the legend, in place of the categories, from the counts and the number of pixels of the picture. Without
+    /// counts (null) it makes the widest legend. Empty: the legend lists the categories.
     std::function<std::vector<image::LegendEntry>(const CategoryCounts*, std::uint64_t pixels)> own_legend = {};
 
     [[nodiscard]] image::Rgb8 colour(const PixelValue& pixel) const {
         if (!std::isnan(pixel.value)) return scale->map(pixel.value);
         return pixel.colour ? *pixel.colour : categories[pixel.category].colour;
     }
-    /// The categories that have a pixel, with their counts and shares of all pixels.
+    /// Legend of the categories that have a pixel, with their counts and their shares of all pixels.
     [[nodiscard]] std::vector<image::LegendEntry> legend(const CategoryCounts& counts, std::uint64_t pixels) const;
-    /// All of them with the widest count in a picture of so many pixels.
+    /// Legend of all categories, with the widest count that a picture of this number of pixels can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels) const;
 };
 
-/// Viridis between these, by powers of two.
+/// The viridis scale from `low` to `high`, logarithmic.
 [[nodiscard]] image::ColourScale magnitude_scale(double low, double high);
 
-/// `1234 (3.1%)`: a count and its share, as legends have it.
+/// A count and its share, for legends: `1234 (3.1%)`.
 [[nodiscard]] std::string count_text(std::uint64_t count, std::uint64_t total);
-/// As wide as `count_text` of so many pixels gets.
+/// The widest text that `count_text` returns for a picture of this number of pixels.
 [[nodiscard]] std::string widest_count(std::uint64_t pixels);
-/// `3.1%`, `<0.1%`; `-` of nothing.
+/// A share: `3.1%` or `<0.1%`; `-` if `whole` is 0.
 [[nodiscard]] std::string share_text(std::uint64_t part, std::uint64_t whole);
 
 }  // namespace lostbits::output::pixel

@@ -1,4 +1,4 @@
-// Values as exact bits and back: one list of fields serves both ways.
+// Writes values as exact bits and reads them back. One list of fields serves both directions.
 #pragma once
 
 #include <array>
@@ -15,15 +15,16 @@
 
 namespace lostbits::output::shard {
 
-static_assert(std::endian::native == std::endian::little, "shards of all machines have the least byte first");
+static_assert(std::endian::native == std::endian::little, "the files of shards are little-endian on every machine");
 
-/// What is copied byte for byte: numbers, and structs of bytes without gaps.
+/// Types that are copied byte for byte: numbers, enumerations, and structs of bytes without padding.
 template <class T>
 concept PlainBits = std::is_arithmetic_v<T> || std::is_enum_v<T> ||
     (std::is_trivially_copyable_v<T>&& std::has_unique_object_representations_v<T> && alignof(T) == 1);
 
-/// Writes. `out(a, b, c)` puts one after another; of a struct it calls `fields(out, struct)`, found by its namespace or
-/// by this one, which names its fields once for both ways. Lists have their size in front.
+/// Writes values: `out(a, b, c)` writes one after the other. For a struct it calls `fields(out, struct)`, from the
+/// namespace of the struct or from this one, which lists the fields once for both directions. A list is preceded by its
+/// size.
 class BitWriter {
 public:
     template <class... T>
@@ -36,7 +37,7 @@ private:
     template <class T>
     void put(const T& x) {
         if constexpr (PlainBits<T>) bytes_.append(reinterpret_cast<const char*>(&x), sizeof x);
-        else fields(*this, const_cast<T&>(x));  // the other way changes it, this one does not
+        else fields(*this, const_cast<T&>(x));  // BitReader changes it, BitWriter does not
     }
     template <class T>
     void put_list(const T* begin, std::size_t size) {
@@ -57,7 +58,7 @@ private:
     void put(const std::array<T, n>& x) {
         put_list(x.data(), n);
     }
-    /// What points to a value or to none.
+    /// Pointers and optionals: a bool, and the value if there is one.
     template <class T>
     requires requires(const T& x) { *x, static_cast<bool>(x); }
     void put(const T& x) {
@@ -68,7 +69,7 @@ private:
     std::string bytes_;
 };
 
-/// Reads what a `BitWriter` wrote. Throws std::out_of_range where the bits end too early.
+/// Reads what a `BitWriter` wrote. Throws std::out_of_range if the bits end too early.
 class BitReader {
 public:
     explicit BitReader(std::string bytes) : bytes_(std::move(bytes)) {}
@@ -91,7 +92,7 @@ private:
         if constexpr (PlainBits<T>) std::memcpy(&x, take(sizeof x), sizeof x);
         else fields(*this, x);
     }
-    /// Any other byte in a bool is undefined behaviour.
+    /// Refuses every byte but 0 and 1: another value in a bool is undefined behaviour.
     void get(bool& x) {
         const char byte = *take(1);
         if (byte != 0 && byte != 1) throw std::out_of_range("a bool of a shard is neither yes nor no");
@@ -116,7 +117,7 @@ private:
         const std::uint64_t n = size();
         x.assign(take(n), n);
     }
-    /// Takes no more memory for a list than what stands in the file is worth, whatever size the list claims.
+    /// Takes no more memory than the rest of the file can fill, whatever size the list claims.
     template <class T>
     void get(std::vector<T>& x) {
         const std::uint64_t n = size();

@@ -1,5 +1,5 @@
-// The fields of what shards find. A structured binding names all fields of a struct: one that is added and forgotten
-// here does not compile.
+// Lists the fields of the results of shards. A structured binding names all fields of a struct, so a field that is
+// added there and forgotten here does not compile.
 #pragma once
 
 #include "measure/claim/claim.hpp"
@@ -16,7 +16,7 @@
 
 namespace lostbits::output::shard {
 
-/// The fields of a struct, one after another, in the order in which it has them.
+/// Passes the fields of a struct on in the order of their declaration.
 #define LOSTBITS_FIELDS(Struct, ...)         \
     template <class Bits>                    \
     void fields(Bits& bits, Struct& whole) { \
@@ -24,7 +24,7 @@ namespace lostbits::output::shard {
         bits(__VA_ARGS__);                   \
     }
 
-/// What names its fields itself.
+/// A type with a member function that lists its fields.
 template <class Bits, class T>
 requires requires(Bits& bits, T& whole) { whole.fields(bits); }
 void fields(Bits& bits, T& whole) { whole.fields(bits); }
@@ -40,7 +40,7 @@ LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_e
 
 template <class Bits>
 void fields(Bits& bits, scene::rays::RayGroup& group) {
-    // What names one ray has its solids: no mesh, and no scene.
+    // A group that names one ray holds its primitives itself. It has no mesh and no scene.
     auto& [rays, solids, march, paired, mesh, scene] = group;
     bits(rays, solids, march, paired);
 }
@@ -78,7 +78,7 @@ LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, trouble, witness, samples, floats, evaluations, further,
                 bounds, seconds)
 
-/// Anything that has fields, as bits.
+/// Returns values as bits.
 template <class... T>
 std::string bits_of(const T&... values) {
     BitWriter out;

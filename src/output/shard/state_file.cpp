@@ -27,14 +27,14 @@ bool parse(std::string_view text, Whole& x, int base = 10) {
     return error == std::errc{} && stop == text.data() + text.size();
 }
 
-/// One line of text: a line break that a path holds is `\n` there, and a backslash is two.
+/// Writes text on one line: a line break, which a path may hold, becomes `\n`, and a backslash becomes two.
 std::string on_one_line(std::string_view text) {
     std::string line;
     for (const char c : text) line += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
     return line;
 }
 
-/// The text that was written so.
+/// Reads text that `on_one_line` wrote.
 std::string from_one_line(std::string_view line) {
     std::string text;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -60,7 +60,7 @@ void InputHash::add_file(const fs::path& path) {
         size += static_cast<std::uint64_t>(in.gcount());
     }
     if (!in.eof()) throw EnvironmentError(path.string() + ": cannot be read");
-    add(bytes_of(size));  // two files one behind another are not one
+    add(bytes_of(size));  // two files one after the other must not hash as one
 }
 
 StateFileWriter::StateFileWriter(const fs::path& path, const StateHead& head) : file_(path) {
@@ -122,7 +122,7 @@ std::string StateFileReader::line(std::string_view name) {
     std::string text;
     if (!std::getline(in_, text)) damaged();
     at_ += text.size() + 1;
-    if (at_ > end_ || !text.starts_with(name)) damaged();  // a head without end runs into the hash behind it
+    if (at_ > end_ || !text.starts_with(name)) damaged();  // a head that never ends would run into the hash behind it
     return text.substr(std::min(text.size(), name.size() + 1));
 }
 
@@ -191,25 +191,25 @@ void UnfinishedFile::write(std::string_view bits) const {
 
 void UnfinishedFile::read(const std::function<void(BitReader&)>& take) const {
     const auto refuse = [this](const std::string& why) { throw InputError(path_.string() + ": " + why); };
-    if (!is_there()) refuse("there is no such file, so there is no unfinished run to go on with; leave out --resume");
+    if (!is_there()) refuse("does not exist, so there is no unfinished run to continue; leave out --resume");
     StateFileReader file(path_,
-                         "is damaged, or of another version, and nothing can go on from it; leave out --resume "
-                         "to begin anew");
+                         "is damaged or from another version, so the run cannot continue from it; leave out --resume "
+                         "to start over");
     const StateHead& head = file.head();
     if (head.program != head_.program)
-        refuse(fmt::format("was written by {}, and this is {}; leave out --resume to begin anew", head.program,
+        refuse(fmt::format("was written by {}, and this is {}; leave out --resume to start over", head.program,
                            head_.program));
     if (head.command != head_.command)
         refuse(
-            fmt::format("belongs to `{}`, and this is `{}`; repeat that command, or leave out --resume to begin anew",
+            fmt::format("belongs to `{}`, and this is `{}`; repeat that command, or leave out --resume to start over",
                         head.command, head_.command));
     if (head.share != head_.share)
-        refuse(fmt::format("belongs to shard {}/{}, and this is {}/{}; leave out --resume to begin anew",
+        refuse(fmt::format("belongs to shard {}/{}, and this is {}/{}; leave out --resume to start over",
                            head.share.number, head.share.of, head_.share.number, head_.share.of));
     if (head.inputs != head_.inputs)
         refuse(
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
-            "--resume to begin anew");
+            "--resume to start over");
     if (!file.next(job_, take) || !file.is_at_end()) file.damaged();
 }
 

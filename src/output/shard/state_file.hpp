@@ -1,4 +1,4 @@
-// The file of a shard, or of a run that was stopped: what it is a part of, and what it found.
+// The file of a shard or of a stopped run: the run that it belongs to, and its results so far.
 #pragma once
 
 #include <cstdint>
@@ -17,23 +17,23 @@
 
 namespace lostbits::output::shard {
 
-/// In the folder of a shard.
+/// Name of the file in the folder of a shard.
 inline constexpr const char* state_file_name = "shard.state";
 
-/// What a shard is a part of. Shards of one run differ in their number alone.
+/// The run that a shard belongs to. Shards of one run differ only in their number.
 struct StateHead {
     std::string program;       ///< `lostbits 0.1.0`
-    std::string command;       ///< the run as it would be typed, without what changes no result
+    std::string command;       ///< the command of the run, without options that do not change results
     std::uint64_t inputs = 0;  ///< `InputHash` of the files that the run reads
     measure::shard::Share share = {};
 };
 
-/// FNV-1a, 64 bits: h ← (h xor byte)·1099511628211 from 14695981039346656037 on. It tells files apart that differ by
-/// accident, not by intent.
+/// FNV-1a, 64 bits: h ← (h xor byte)·1099511628211 from 14695981039346656037 on. It detects accidental differences
+/// between files, not deliberate ones.
 class InputHash {
 public:
     void add(std::string_view bytes);
-    /// The contents of a file. EnvironmentError where it cannot be read.
+    /// Adds the contents of a file. EnvironmentError if it cannot be read.
     void add_file(const std::filesystem::path& path);
     [[nodiscard]] std::uint64_t value() const { return hash_; }
 
@@ -41,12 +41,12 @@ private:
     std::uint64_t hash_ = 14695981039346656037U;
 };
 
-/// Writes a head as lines of text, then records: a name, a size and bits. At the end stands the hash of all that is in
-/// front of it. The file has its name when it is whole.
+/// Writes a head as lines of text, then records (a name, a size and bits), then the hash of everything before it. The
+/// file gets its name when it is complete.
 class StateFileWriter {
 public:
     StateFileWriter(const std::filesystem::path& path, const StateHead& head);
-    /// By one thread at a time: records of several threads stand in the order of their coming.
+    /// Adds a record. Threads may call it at the same time; records are stored in the order of the calls.
     void put(std::string_view name, std::string_view bits);
     void close();
 
@@ -58,8 +58,9 @@ private:
     std::mutex mutex_;
 };
 
-/// Reads it record by record. InputError, with the path and `damaged`, for what is not such a file or was changed. The
-/// file is open from the first record that is asked for until `rest`, so that a thousand of them do not all hold one.
+/// Reads such a file record by record. Throws InputError, with the path and the text `damaged`, if it is not such a
+/// file or was changed. The file is open only from the first call of `next` until `rest`, so that a thousand readers do
+/// not keep a thousand files open.
 class StateFileReader {
 public:
     explicit StateFileReader(std::filesystem::path path,
@@ -67,15 +68,15 @@ public:
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] const StateHead& head() const { return head_; }
 
-    /// The names of its records in their order; one for all that stand together.
+    /// The names of its records in their order; consecutive records of the same name count as one.
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 
-    /// Hands on the bits of the next record, where it has this name. InputError where `take` needs more of them, leaves
-    /// some, or throws std::out_of_range.
+    /// Passes the bits of the next record to `take` if it has this name; otherwise returns false. InputError if `take`
+    /// needs more bits, leaves some, or throws std::out_of_range.
     [[nodiscard]] bool next(std::string_view name, const std::function<void(BitReader&)>& take);
-    /// Closes the file; the next record stays the next.
+    /// Closes the file until the next call of `next`, which continues at the same record.
     void rest() { in_.close(); }
-    /// Whether all records were read.
+    /// True if all records were read.
     [[nodiscard]] bool is_at_end() const { return at_ == end_; }
     [[noreturn]] void damaged() const;
 
@@ -95,18 +96,19 @@ private:
     std::uint64_t at_ = 0, end_ = 0;
 };
 
-/// How far a part of a run came before it was stopped, as its only record: what --resume goes on from.
+/// The file that --resume continues from: the state of a stopped run, as its only record.
 class UnfinishedFile {
 public:
-    /// In the folder of its results; `head` is what it is a part of, and `job` the name of the record.
+    /// `folder` is the folder of the results, `head` the run that the file belongs to, and `job` the name of the
+    /// record.
     UnfinishedFile(const std::filesystem::path& folder, StateHead head, std::string job)
         : path_(folder / "unfinished.state"), head_(std::move(head)), job_(std::move(job)) {}
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] bool is_there() const { return std::filesystem::exists(path_); }
 
     void write(std::string_view bits) const;
-    /// Hands the bits to `take`, as `StateFileReader::next` does. InputError where there is no such file, where it is
-    /// of another run (it says what differs), or where it is damaged.
+    /// Passes the bits to `take`, as `StateFileReader::next` does. InputError if there is no such file, if it belongs
+    /// to another run (the message says what differs), or if it is damaged.
     void read(const std::function<void(BitReader&)>& take) const;
 
 private:

@@ -1,4 +1,4 @@
-// Columns that tables of several commands have.
+// Columns that the tables of several commands share.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace lostbits::output::table {
 
-/// form and format.
+/// The columns form and format.
 Table<measure::evaluate::TestedForm> subject_columns(const std::string& form = "form under test",
                                                      const std::string& format = "format it computes in");
 
-/// Origin and direction as C hexadecimal floats; `of` is what the ray is of.
+/// Columns with origin and direction as C hexadecimal floats. `of` is the meaning of each column.
 Table<Ray<double>> ray_columns(const std::string& of);
 
-/// The numbers of a solid of that shape, in the same way.
+/// Columns with the numbers of a primitive of this shape, in the same way.
 Table<Solid<double>> solid_columns(Shape shape, const std::string& of);
 
 }  // namespace lostbits::output::table

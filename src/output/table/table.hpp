@@ -1,5 +1,5 @@
-// A table: each column says once what it is called, what it means and what stands in it; the CSV file and its entry in
-// `datapackage.json` follow.
+// Tables. Each column is defined in one place: its name, its meaning, and how a cell is computed from a row. The CSV
+// file and its entry in `datapackage.json` follow from that.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace lostbits::output::table {
 
 using file::Cell;
 
-/// What stands in a column of the row that an R is; a member of R is one, too.
+/// Computes the cell of a column from a row, which is an R. A member of R serves too.
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 
@@ -33,13 +33,13 @@ struct TableColumn {
     CellOf<R> value;
 };
 
-/// Missing unless `there`.
+/// x if `there`, otherwise a missing cell.
 template <class T>
 Cell when(bool there, const T& x) {
     return there ? Cell(x) : Cell();
 }
 
-/// A number as a C hexadecimal float; missing where it is.
+/// Writes a number as a C hexadecimal float. A missing number stays missing.
 template <class R>
 CellOf<R> exactly(CellOf<R> value) {
     return [value = std::move(value)](const R& row) {
@@ -48,7 +48,8 @@ CellOf<R> exactly(CellOf<R> value) {
     };
 }
 
-/// A column of numbers as a measurement states it, which outlives this one, with `value(column, row)`: NaN is missing.
+/// A column of numbers from the description `column` of a measured quantity, which must outlive it. A cell is
+/// `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
 TableColumn<R> measured_column(const Measured& column, const Value& value) {
     return {std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
@@ -59,7 +60,7 @@ TableColumn<R> measured_column(const Measured& column, const Value& value) {
             }};
 }
 
-/// The columns of rows of R.
+/// The columns of a table whose rows are of type R.
 template <class R>
 class Table {
 public:
@@ -74,8 +75,8 @@ public:
         for (TableColumn<R>& column : columns.columns_) add(std::move(column));
         return *this;
     }
-    /// The columns of a Part that `find` names in a row, as a reference, an optional or a pointer; all are missing
-    /// where it is.
+    /// Adds the columns of a part of the row. `find(row)` returns the part as a reference, an optional or a pointer; if
+    /// there is none, all its cells are missing.
     template <class Part, class Find>
     Table& add(const Table<Part>& columns, const Find& find) {
         for (const TableColumn<Part>& column : columns) {
@@ -87,14 +88,14 @@ public:
         }
         return *this;
     }
-    /// As a decimal and, in a column `NAME_hex`, exactly.
+    /// Adds a column of decimals and a column `NAME_hex` with the exact values.
     Table& add_exact(const TableColumn<R>& column) {
         add(column);
         return add(
             {column.about.name + "_hex", "string", column.about.unit, "the same, exactly", exactly<R>(column.value)});
     }
 
-    /// Null where no column has that name.
+    /// The column of this name, or null.
     [[nodiscard]] TableColumn<R>* find(const std::string& name) {
         const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
         const auto found = std::ranges::find_if(columns_, named);
@@ -110,7 +111,7 @@ public:
         for (const TableColumn<R>& column : columns_) all.push_back(column.about);
         return all;
     }
-    /// In place of its own, if there is such a column.
+    /// Replaces the meaning of a column, if there is such a column.
     void set_meaning(const std::string& name, const std::string& meaning) {
         if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
     }
@@ -136,11 +137,11 @@ private:
     std::vector<TableColumn<R>> columns_;
 };
 
-/// A file of such rows. It is opened at once, and has its final name after `close`.
+/// A CSV file of a table. It is opened at once and has its final name after `close`.
 template <class R>
 class TableFile {
 public:
-    /// `title` says what a row is. Without a folder there is no file: see `take_lines`.
+    /// `title` says what a row is. If `folder` is empty, there is no file: see `take_lines`.
     TableFile(const std::filesystem::path& folder, const std::string& name, std::string title, Table<R> table)
         : table_(std::move(table)),
           about_{name, std::move(title), table_.columns()},
@@ -152,7 +153,7 @@ public:
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
-    /// What was added since the last call, where there is no file.
+    /// Without a file: the rows that were added since the last call.
     [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void close() { csv_.close(); }
 
@@ -162,8 +163,8 @@ private:
     file::CsvWriter csv_;
 };
 
-/// Closes a table and adds what it is: a table, one that may be there, a list of them, or what has one. What others
-/// write is added alone.
+/// Closes a part of a folder and adds its description to `resources`. A part is a table, an optional one, a list of
+/// tables, or an object with `table()`. A DataResource describes a table that somebody else writes, and is only added.
 template <class Part>
 void close_part(Part& part, std::vector<file::DataResource>& resources) {
     if constexpr (std::is_same_v<std::remove_const_t<Part>, file::DataResource>) {
@@ -179,8 +180,8 @@ void close_part(Part& part, std::vector<file::DataResource>& resources) {
         close_part(*part, resources);
     }
 }
-/// Closes the tables of a folder, and says in its `datapackage.json` what they are. The summary is closed last: a
-/// folder with one is a finished one.
+/// Closes the tables of a folder and describes them in its `datapackage.json`. The summary is closed last: a folder
+/// that has one is finished.
 template <class R, class... Part>
 void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
                   Part&... parts) {

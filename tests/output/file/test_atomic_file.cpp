@@ -259,7 +259,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
         ResultFolder mine(folder.path(), first, {});
         CHECK(unfinished().empty());
         write("a.csv");
-        CHECK(contains(unfinished(), "a run is writing there now"));
+        CHECK(contains(unfinished(), "a run is writing to it now"));
         CHECK(contains(contents(folder / "UNFINISHED.txt"), "lostbits map a"));
         write("b.csv");
     }
@@ -273,7 +273,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
             throw Interrupted();
         }(),
         Interrupted);
-    CHECK(contains(unfinished(), "the run that wrote there was stopped; UNFINISHED.txt says which"));
+    CHECK(contains(unfinished(), "the run that wrote it was stopped; run the command in its UNFINISHED.txt again"));
     CHECK_FALSE(fs::exists(folder / "a.csv"));
     {
         ResultFolder mine(folder.path(), second, {});
