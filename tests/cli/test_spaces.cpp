@@ -135,7 +135,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
               "a matrix has no m02"));
     CHECK(
         has(run("judge '" + file + "' --sphere 0,0,0,1 --sphere 0,0,3,1 -i sphere.unified" + into(folder, "out/f")).err,
-            "one solid is to be given"));
+            "give one primitive for all rays"));
 }
 
 TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {

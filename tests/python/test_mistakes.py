@@ -118,7 +118,7 @@ class Mistakes(unittest.TestCase):
              lambda: lb.scene(camera=CAMERA, spheres=np.ones((1, 4)), transform=np.diag([1, 0, 1, 1]))),
             (lb.InputError, "as its last row",
              lambda: lb.scene(camera=CAMERA, spheres=np.ones((1, 4)), transform=2 * np.eye(4))),
-            (lb.InputError, "one solid is to be given",
+            (lb.InputError, "give one primitive for all rays",
              lambda: lb.truth(np.zeros((1, 3)), np.ones((1, 3)), np.ones((2, 4)), matrix=np.eye(4)[None])),
             (lb.InputError, "transform has shape (2, 4)",
              lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0, 1, 2]]), transform=np.eye(4)[:2])),
