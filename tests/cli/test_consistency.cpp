@@ -30,7 +30,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     const auto folder = scratch / "near-benign";
     CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
     CHECK(has(r.out, "sphere.half_b f32 segment: decisions differ for "));
-    CHECK(has(r.out, "sphere.half_b f32 answers alike: beyond, end, before, short, packs, placed\n"));
+    CHECK(has(r.out, "sphere.half_b f32 gives the same answers: beyond, end, before, short, packs, placed\n"));
     std::vector<std::string> expected{"contact.png", "datapackage.json", "manifest.json", "sphere.half_b.f32.csv",
                                       "summary.csv"};
     const std::vector<std::string> checks{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"};
