@@ -144,7 +144,7 @@ TEST_CASE("trade has the price of a space on a scene, and says why it has none a
     must("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::space::spaces().size());
-    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "under no matrix"));
+    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));
 }
 
 TEST_CASE("a map behind boxes tells the level that loses a hit") {
