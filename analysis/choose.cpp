@@ -156,8 +156,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     ChoiceRequest request;
     if (o.bits < 0 && o.tolerance.empty())
         throw InputError(
-            "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit "
-            "point)");
+            "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
     if (!o.tolerance.empty()) request.wish.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");

@@ -134,10 +134,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
         if (!rows.empty() && opened && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;
-        throw NothingSelected(fmt::format(
-            "{}: has rays but no answers (columns hit or t); name forms to judge, such as "
-            "-i '{}'",
-            o.file, selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
+        throw NothingSelected(
+            fmt::format("{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", o.file,
+                        selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
     auto all = selection::cross(selection::select_forms(o.forms), formats);

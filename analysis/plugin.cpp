@@ -40,8 +40,7 @@ Exit serve(const std::string& named) {
     if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
         "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
-        "--isolate` "
-        "runs this command");
+        "--isolate` runs this command");
 }
 
 const char* word_of(Observation::Verdict verdict) {
