@@ -124,7 +124,7 @@ std::string bash_completion(const Command& program) {
         std::string(plain_names) +
         "; done\n"
         "}\n\n"
-        "# Sets what can stand at the cursor: words, or the kind of files.\n"
+        "# Sets the words, or the kind of files, that can be typed at the cursor.\n"
         "_lostbits_here() {\n"
         "    local command=$1 previous=$2\n"
         "    case $command in\n";
@@ -155,7 +155,7 @@ std::string bash_completion(const Command& program) {
         "        COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
         "        return\n"
         "    fi\n"
-        "    # Several values stand between commas: the last of them is completed.\n"
+        "    # Completes the last of several values between commas.\n"
         "    local last=${{current##*,}}\n"
         "    COMPREPLY=($(compgen -P \"${{current%\"$last\"}}\" -W \"$words\" -- \"$last\"))\n"
         "    if [[ -n $files ]]; then\n"
