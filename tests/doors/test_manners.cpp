@@ -174,8 +174,7 @@ TEST_CASE("manners: descriptors that are the program's own and are closed end it
                      if (way.isolated && manner.ends_with("files")) return;
                      CHECK(ran.outcome.code == 3);
                      CHECK(has(ran.outcome.err, "ill_mannered.so"));
-                     if (manner.ends_with("files"))
-                         CHECK(has(ran.outcome.err, "file descriptors of the program"));
+                     if (manner.ends_with("files")) CHECK(has(ran.outcome.err, "file descriptors of the program"));
                      CHECK_FALSE(ran.has_results);
                  });
 }
