@@ -164,8 +164,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
 
 void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
     const auto found = select_forms({name}, "--against");
-    if (found.size() != 1)
-        throw InputError(fmt::format("--against {}: matches {} forms; name one form", name, found.size()));
+    if (found.size() != 1) throw InputError(fmt::format("--against {}: names several forms; name one form", name));
     const Intersector& other = *found.front();
     const auto fits = [&other](const TestedForm& row) {
         // Keep single forms that may become parts of a set.
