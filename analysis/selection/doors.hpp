@@ -71,7 +71,8 @@ std::vector<std::string> form_words_or(const std::vector<std::string>& given, st
 void note_unasked(const shell::Command& command);
 
 /// Prints on stderr, unless `quiet`, which wanted forms are in none of the measured rows because nothing has their
-/// shape or format. A form is wanted if a word of -i is its name, or if it is external and a pattern of -i matches it.
+/// shape or format. A form is wanted if a word of -i is its name, or if it is external and -i is not given or matches
+/// it.
 void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::evaluate::TestedForm>& rows,
                      bool quiet);
 
