@@ -122,7 +122,7 @@ std::string draws_text(const Claim& claim, const ClaimResult& r) {
                        output::file::decimal(interval.low), output::file::decimal(interval.high));
 }
 
-/// What the claims about random rays measure from draw to draw.
+/// Prints a table of the values that claims about random rays measure in several draws.
 void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     if (std::ranges::none_of(results, &ClaimResult::is_drawn)) return;
     constexpr const char* row = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
@@ -137,7 +137,8 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
     }
 }
 
-/// A ratio of two speeds is what it was on this machine in this minute: every claim is shown with it, and none fails.
+/// Prints every claim about speed with its measured ratio. None fails, since a ratio of two speeds depends on the
+/// machine and the minute.
 Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
@@ -170,12 +171,13 @@ std::vector<std::filesystem::path> files_of(const CheckOptions& o, const std::fi
     return files;
 }
 
-/// InputError where a shard is asked for what the whole run alone can write.
+/// Throws InputError if a shard gets options for files that only the whole run can write.
 void check_shard_options(const CheckOptions& o) {
     if (o.shard.empty()) return;
     if (o.report.empty())
         throw InputError("--shard " + o.shard +
-                         ": needs the folder of the shards; add --report DIR, and `lostbits merge DIR -o REPORT`");
+                         ": needs a folder for the shards; add --report DIR, and join them by `lostbits merge DIR -o "
+                         "REPORT`");
     if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.save.empty() ||
         !o.moves.empty() || o.annotations != "none")
         throw InputError("--shard " + o.shard +
@@ -184,10 +186,10 @@ void check_shard_options(const CheckOptions& o) {
                          "`lostbits merge`");
 }
 
-/// How what is measured moved since a baseline: printed, written, and by the id of each claim.
+/// Prints and writes how the measured values moved since a baseline. Returns the text for each claim, by its id.
 std::map<std::string, std::string> show_moves(const CheckOptions& o, const output::claim::ClaimBaseline& before,
                                               const output::claim::ClaimBaseline& now) {
-    // Of the claims that were not selected now nothing is known.
+    // Claims that are not selected have no new value.
     output::claim::ClaimBaseline selected = before;
     std::erase_if(selected.claims, [&o](const output::claim::MeasuredClaim& c) { return !o.selects(c.id); });
     const auto moves = output::claim::moves_between(selected, now);
@@ -213,7 +215,7 @@ Exit run(const CheckOptions& o, const Common& common) {
                                    {"--report", o.report});
     if (!o.moves.empty() && o.against.empty())
         throw InputError("--moves " + o.moves +
-                         ": says how values moved since a baseline; add --against BASELINE.json");
+                         ": shows how values moved since a baseline; add --against BASELINE.json");
     std::optional<output::claim::ClaimBaseline> before;
     if (!o.against.empty() && !replaces_its_baseline(o)) scene::toml::note_read(o.against);
     if (!o.against.empty()) before = output::claim::read_baseline(o.against);
@@ -221,8 +223,8 @@ Exit run(const CheckOptions& o, const Common& common) {
                        !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
         throw InputError(
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report, "
-            "--annotations, --save or --against: times never fail a check, and no report shows them; leave those "
-            "options out");
+            "--annotations, --save or --against: claims about time never fail a check, and no report shows them; leave "
+            "those options out");
     }
     if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
         throw InputError(
@@ -232,11 +234,11 @@ Exit run(const CheckOptions& o, const Common& common) {
     const auto data = selection::data_folder(common.data);
     const auto claims = load(o, data);
     const selection::ThreadLimit limit(common.threads);
-    // The reports' places are tried before the work; the files themselves are small and written after it.
+    // Checks before the work that the reports can be written; they are small and written at the end.
     for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    // Only a shard writes down which files it read: a whole run is spared the walk over the data.
+    // Only a shard records which files it read, so a whole run need not list the data folder.
     const bool whole = o.shard.empty() && !common.joined;
     Divided divided =
         divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
@@ -281,13 +283,13 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
     complete(folder);
     if (!common.quiet) {
-        // A verdict that is confirmed may be that a sentence is wrong.
+        // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
         fmt::print("{} confirmed, {} failed{}\n", scene::toml::counted(agreed, "verdict"),
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
         if (agreed > 0) fmt::print("{}\n", counts.text());
     }
     if (skipped > 0 && skipped == claims.size()) {
-        fmt::print(stderr, "lostbits: every claim was skipped, so nothing is known; the first: {}\n",
+        fmt::print(stderr, "lostbits: every claim was skipped, so nothing was checked; the reason of the first: {}\n",
                    terminal_line(results.front().trouble));
         return Exit::nothing_selected;
     }

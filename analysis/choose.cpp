@@ -33,7 +33,7 @@ using output::mend::Proposal;
 
 namespace {
 
-/// Mended forms, which stay loaded as long as this.
+/// Repaired forms; they stay loaded as long as the object lives.
 struct Mending {
     struct Made {
         intersect::doors::Formula formula;
@@ -43,7 +43,7 @@ struct Mending {
     std::vector<output::choice::MendedCandidate> candidates;  ///< in the same order
 };
 
-/// Forms mended one after the other; what came out stays where it is.
+/// Repairs forms one after another. Deques keep requests and results at fixed addresses.
 class Bench {
 public:
     Bench(const ChoiceRequest& asked, std::string command) : asked_(asked), command_(std::move(command)) {}
@@ -63,10 +63,10 @@ private:
     void mend_one(const TestedForm& row) {
         requests_.push_back({.scene = asked_.scene, .row = row, .wish = asked_.wish, .limit = asked_.limit});
         try {
-            // The sets' minimality is not proved beyond the search: no smaller sets are tried.
+            // 0: do not prove that the sets are minimal, that is, try no smaller sets after the search.
             mended_.push_back(measure::mend::mend(requests_.back(), 0));
         } catch (const InputError&) {
-            return;  // its operations are not seen, or are not the same for every ray
+            return;  // its operations are not known, or not the same for every ray
         }
         const MendResult result{
             .request = requests_.back(), .mended = mended_.back(), .catalogue = {}, .catalogue_worth = {}};
@@ -104,9 +104,9 @@ private:
     std::set<std::string> seen_;
 };
 
-/// Of every row of the request that does not meet its wish and whose operations can be seen: all that
-/// `measure::mend::mend` makes of it that does, compiled, and as a file in `folder`. Two forms that are mended to the
-/// same count once. EnvironmentError where nothing can be compiled. `command` is what asks for it.
+/// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
+/// result of `measure::mend::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
+/// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
 Mending mended(const ChoiceRequest& request, const measure::mend::Workshop& workshop,
                const std::filesystem::path& folder, const std::string& command) {
     Bench bench(request, command);
@@ -135,13 +135,14 @@ struct ChooseOptions : selection::RayFileWords {
     bool single = false, bulk = false, quick = false, mend = false;
 };
 
-/// The selected rows for what is called so, whose solids forms of a shape can meet.
+/// The selected rows that can be timed on the subject called `id`; `meets` says which forms can test it.
 std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
                                                    const selection::Meets& meets) {
     const auto formats = selection::select_formats(o.formats);
     if (std::ranges::all_of(formats, selection::is_emulated))
         throw InputError(fmt::format(
-            "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
+            "-f {}: this format is emulated, so its time says nothing; choose compares f32 and f64 only, name one of "
+            "them",
             formats.front().name));
     auto all = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(all, "choose");
@@ -154,7 +155,8 @@ std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const
 ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
     ChoiceRequest request;
     if (o.bits < 0 && o.tolerance.empty())
-        throw InputError("choose: no wish is given; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
+        throw InputError(
+            "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
     if (!o.tolerance.empty()) request.wish.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
@@ -169,7 +171,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
 
 using Owner = std::unique_ptr<output::file::ResultFolder>;
 
-/// What scenes and files have in common, once the accuracy of rays from files is known.
+/// The part that scenes and files of rays share. For files, the accuracy on their rays is known already.
 Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Owner& owner,
             output::file::Progress& progress, const Common& common,
             std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
@@ -234,8 +236,8 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     if (emulated > 0 && !common.quiet)
         fmt::print(
             stderr,
-            "lostbits: {}: of the formats, only f32 and f64 are compared; emulated ones count in the requirement "
-            "map of a scene, and files of rays have none\n",
+            "lostbits: {}: only f32 and f64 are compared; emulated formats are for the requirement map of a scene, "
+            "which files of rays do not have\n",
             id);
     const auto folder = std::filesystem::path(o.out) / id;
     const auto owner = own_folder(folder, common, opened.words);

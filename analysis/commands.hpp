@@ -1,4 +1,4 @@
-// The subcommands: each adds itself to the program and runs when it is chosen.
+// The subcommands of the program, and what those that write results share.
 #pragma once
 
 #include <cstdint>
@@ -22,56 +22,56 @@
 
 namespace lostbits::analysis {
 
-/// Options of every command.
+/// The options that every command takes.
 struct Common {
     std::string data;  ///< the data folder, see `data_folder`
     output::file::Progress::Mode progress = output::file::Progress::Mode::automatic;
     bool quiet = false;
     bool verbose = false;
     int threads = 0;  ///< 0: one per core
-    std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
+    std::string isa;  ///< a name of `isa_names`; empty: the widest of the processor
     selection::DoorWords doors;
-    intersect::process::StopToken stop = {};     ///< of what the command asks for
-    selection::Typed typed;                      ///< the command itself
-    bool force = false;                          ///< folders that hold results of someone else are written to as well
-    std::shared_ptr<shard::Shards> joined = {};  ///< shards of the command, done; null: it is to be done
+    intersect::process::StopToken stop = {};     ///< stops the work of the command
+    selection::Typed typed;                      ///< the command as it was typed
+    bool force = false;                          ///< also write to folders that have files of others
+    std::shared_ptr<shard::Shards> joined = {};  ///< finished shards of the command to join; null: do the work here
 };
 
 inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 
-/// Each adds a command to the program, which keeps a reference to the options of every command.
+/// Functions that add a command to the program. The command keeps a reference to `common`.
 using AddCommand = void(const shell::Command& program, const Common& common);
 AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
     add_mend, add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
 
-/// Standard output, for a command that answers a pipe; what else is printed goes to standard error from then on.
-/// EnvironmentError, which begins with `command`.
+/// Returns a descriptor of standard output for a command that answers a pipe. Everything else that is printed goes to
+/// standard error from then on. Throws EnvironmentError, which begins with `command`.
 int take_standard_output(const std::string& command);
 
-// What the commands that write a folder of results have in common (results.cpp).
+// Shared by the commands that write a folder of results (results.cpp).
 
-/// InputError where -o names no folder.
+/// Throws InputError if the value of -o is empty.
 void require_folder(const std::string& out);
 
-/// The folder is this run's from now on: see `ResultFolder`, whose rule `force` is that of the command line. `subject`
-/// is what the command is about, in words of a shell.
+/// Takes a folder for the results of this run, see `ResultFolder`; the rule `force` is that of the command line.
+/// `subject` is the subject of the command, in words of a shell.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder,
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
-/// The results in the folder are whole; nothing where there is none. See `ResultFolder::complete`.
+/// Marks the results in the folder as complete, see `ResultFolder::complete`. Does nothing for null.
 void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
 
-/// A folder in `out` for each scene, in which summary.csv can be written: this run's own until the work on its scene is
-/// done. Its files are whole then, whatever becomes of the run.
+/// Takes a folder in `out` for each scene, and checks that summary.csv can be written there. A folder belongs to this
+/// run until the work on its scene is done; its files are then complete, even if the run fails later.
 class SceneFolders {
 public:
     SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
 
-    /// To be called once the files of a scene are whole, and before anything is printed about them.
+    /// Called when the files of a scene are complete, before anything is printed about them.
     using Complete = std::function<void()>;
-    /// `work` on each of so many scenes, by their number, one after the other; the sum of what it returns, rays
-    /// without a proved truth. Of a run that is asked to stop, says what is kept.
+    /// Calls `work` for each of the scenes in turn, by index. Returns the sum of its results, the rays without a proved
+    /// truth. The error of an interrupted run says which results are kept.
     [[nodiscard]] std::uint64_t each(std::size_t scenes, output::file::Progress& progress,
                                      const std::function<std::uint64_t(std::size_t, const Complete&)>& work);
 
@@ -79,72 +79,73 @@ private:
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard
 };
 
-/// The scenes of a command of solids, and of the rows those that can be asked about any of them. InputError for rays
-/// that a scene makes, or a form; `name` is the command.
+/// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
+/// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format.
+/// `name` is the command.
 [[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
                                                                std::vector<measure::evaluate::TestedForm>& rows,
                                                                const char* name, const Common& common);
 
-/// `--shard` of a command.
+/// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& word);
 
-/// Of these files and of the libraries: what decides what a run measures.
+/// A hash of these files and of the libraries, which decide what a run measures.
 [[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
 
-/// Where a run's shard, if it is one, keeps what it found, and what belongs to it while it lives.
+/// The division of a run, and its folders.
 struct Divided {
     shard::Division division;
-    std::unique_ptr<output::file::ResultFolder> folder = {};  ///< of a shard
-    std::filesystem::path out;                                ///< of the results: a shard's own folder
+    std::unique_ptr<output::file::ResultFolder> folder = {};  ///< folder of a shard; null in other runs
+    std::filesystem::path out;                                ///< folder of the results; in a shard, the shard's
 };
 
-/// How a run is divided, by the word of its `--shard`; `out` is the folder of its results and `files` are those that
-/// decide what it measures. InputError for a bad word, and where shards that are to be joined read other files.
+/// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` decide what it measures.
+/// Throws InputError for a bad value, and if the shards to join read other files.
 [[nodiscard]] Divided divide(const std::string& word, const std::string& out,
                              const std::vector<std::filesystem::path>& files, const Common& common,
                              bool resumed = false);
 
-/// The end of such a run: a shard's file gets its name, which is printed.
+/// Ends such a run: the file of a shard gets its final name, which is printed.
 void finish(Divided& divided, const Common& common);
 
-/// EnvironmentError where this file could not be written. A folder that cannot be written ends the run before the first
-/// ray, not after the tenth scene.
+/// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
+/// tenth scene.
 void probe(const std::filesystem::path& file);
 
-/// Moves a bar on, and with it an estimate of how long the run takes.
+/// A function that advances a progress bar and an estimate of the time that the run takes.
 [[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress,
                                                            output::file::Estimate* estimate = nullptr);
 
-/// `before` and `after` around each of the values: ` -f f32 -f f64`.
+/// Joins the values, each with `before` and `after` around it: ` -f f32 -f f64`.
 [[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
 
-/// The share of the hits that `--at` names: p50, p99 or max. InputError.
+/// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
 [[nodiscard]] double quantile_at(const std::string& text);
 
-/// The end of a run in which the truth of so many rays was not proved: says so on stderr.
+/// The exit code of a run in which the truth of `rays` rays was not proved; prints that on stderr.
 [[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
 
-/// A line on stderr for each row from outside whose contract seems to be wrong; `suspicion` of a row is empty where it
-/// does not.
+/// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
+/// returns the text for a row, empty if nothing seems wrong.
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
-/// A line on stdout for each row that is held against a form: how often the two are the same.
+/// Prints a line on stdout for each row that is compared with a form: how often the two agree.
 void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
 
-/// A quantile of metric `lost` for a table: `13.57`; `-` where there is none, or where the agreed hits are too few to
-/// stand for the form.
+/// A quantile of metric `lost` for a table, `13.57`; `-` if there is none, or if the correct hits are too few to
+/// represent the form.
 [[nodiscard]] std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
 
-/// A table on stdout: a line for each row of a map, and for each form of the bits needed.
+/// Prints a table on stdout, with a line per row of a map, or per form for the bits needed.
 void print_table(const measure::evaluate::EvaluationRequest& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
 void print_table(const measure::evaluate::NeededRequest& request,
                  const std::vector<measure::evaluate::NeededSummary>& summaries);
 
-/// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
+/// Prints a line on stdout: how many truths, each of a ray and a primitive, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);
 
 }  // namespace lostbits::analysis

@@ -31,22 +31,23 @@ std::string share_text(std::uint64_t part, std::uint64_t whole) {
     return fmt::format("{} of {} ({:.3g}%)", part, whole, 100 * measure::truth::fraction(part, whole));
 }
 
-/// What a run says of one check of a row; empty where it has nothing to say.
+/// The result of one check of a row in words; empty if there is nothing to say.
 std::string check_text(const Check& check, const CheckSummary& s) {
     std::string text;
     const auto add = [&text](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
     if (check.name == "end") {
         const auto yes = s.of(Accord::second_alone);
         if (s.asked() > 0 && yes > 0 && yes < s.asked())
-            add("a hit at the very end counts for " + share_text(yes, s.asked()));
+            add("a hit exactly at the end of the ray counts for " + share_text(yes, s.asked()));
         return text;
     }
     if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
-    const double apart = s.excess.quantile(1);  // NaN where no numbers are compared
+    const double apart = s.excess.quantile(1);  // NaN if no numbers are compared
     if (s.of(Accord::other_number) > 0 && !(apart > 0))
         add("numbers differ for " + share_text(s.of(Accord::other_number), s.asked()));
     if (s.of(Accord::by_inputs) > 0 && !check.numbers)
-        add("the inputs, not the form, for " + share_text(s.of(Accord::by_inputs), s.asked()));
+        add("decisions differ because of rounded inputs, not the form, for " +
+            share_text(s.of(Accord::by_inputs), s.asked()));
     if (apart > 0)
         add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                         check.name == "placed" ? "both t" : "both ends", apart));
@@ -62,16 +63,16 @@ void say_row(const ConsistencyRequest& request, const measure::evaluate::TestedF
         if (text.empty()) alike += fmt::format("{}{}", alike.empty() ? "" : ", ", request.checks[c]->name);
         else fmt::print("  {} {}: {}\n", name, request.checks[c]->name, text);
     }
-    if (!alike.empty()) fmt::print("  {} answers alike: {}\n", name, alike);
+    if (!alike.empty()) fmt::print("  {} gives the same answers: {}\n", name, alike);
 }
 
-/// One scene; the number of questions whose exact answer is not proved.
+/// Compares on one scene. Returns the number of questions whose exact answer is not proved.
 std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
                                output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
     output::consistency::ConsistencyFiles files(
         request, {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all"});
-    // Files of many forms and checks take seconds to open: what is estimated begins here.
+    // Opening the files of many forms and checks takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(progress, request.scene.id, request.scene.pixels() * request.rows.size(),
                                     common.quiet);
     request.progress = advancing(progress, &estimate);
@@ -97,7 +98,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !measure::consistency::can_be_compared(*row.form); });
     if (rows.empty())
-        throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
+        throw NothingSelected("consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = selection::select_rows(measure::consistency::checks(), o.checks, "check", "--check");
     auto scenes = scenes_of_solids(o, rows, "consistency", common);
     const selection::ThreadLimit limit(common.threads);
@@ -110,7 +111,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         auto asked = measure::consistency::checks_for(scene, fitting, checks);
         if (asked.empty())
             throw InputError(fmt::format(
-                "--check: none of these can be asked of the selected forms on scene {}; light needs a [light], and "
+                "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
         requests.push_back(

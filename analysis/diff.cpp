@@ -24,7 +24,7 @@ using output::diff::CompareOptions;
 
 namespace {
 
-/// Options that change what is measured, and not only of what, or how it is shown.
+/// The options that change measured values, and not only which rows there are or how they are shown.
 const std::vector<std::string>& of_what_is_measured() {
     static const std::vector<std::string> all = [] {
         std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
@@ -55,7 +55,7 @@ Settings settings_of(const std::string& command) {
     return settings;
 }
 
-/// ` 8x8`; nothing of a flag.
+/// ` 8x8`; empty for a flag.
 std::string value_text(const std::string& value) { return value.empty() ? "" : " " + value; }
 
 std::vector<std::string> only_in(const std::set<std::string>& one, const std::set<std::string>& other) {
@@ -64,9 +64,9 @@ std::vector<std::string> only_in(const std::set<std::string>& one, const std::se
     return values;
 }
 
-/// `--set sphere[0].radius=1.0001 only in after`: for each option that changes what is measured (the size of a picture,
-/// numbers of a scene, draws) and is not the same in the commands that made two folders. Nothing where a folder does
-/// not say what made it.
+/// A line for each option that changes measured values (the size of a picture, numbers of a scene, draws) and differs
+/// in the commands that made two folders: `--set sphere[0].radius=1.0001 only in after`. Empty if a folder does not
+/// record its command.
 std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) {
     const auto left = output::file::ResultFolder::made_by_in(a), right = output::file::ResultFolder::made_by_in(b);
     if (!left || !right) return {};
@@ -88,7 +88,7 @@ std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) 
     return lines;
 }
 
-/// The same of every folder below the two that has results, with its name in front.
+/// The same for the two folders and for every pair of folders below them.
 std::vector<std::string> made_differently_below(const fs::path& a, const fs::path& b) {
     std::vector<std::string> lines = made_differently(a, b);
     std::set<fs::path> folders;
@@ -103,7 +103,7 @@ std::vector<std::string> made_differently_below(const fs::path& a, const fs::pat
 
 void print_made_differently(const std::vector<std::string>& lines) {
     if (lines.empty()) return;
-    fmt::print("made with other numbers, which may be all that differs:\n");
+    fmt::print("made with other options, which may explain all differences:\n");
     for (const std::string& line : lines) fmt::print("  {}\n", line);
 }
 
@@ -119,12 +119,12 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
     return names;
 }
 
-/// Where a file lies, as it was written.
+/// The folder of a file, in the spelling of its path.
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// Every file of every kind, one after another; what two commits that mean to change nothing are held to.
+/// Compares every file of every kind, one after another, as for two commits that should change no result.
 Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Common& common) {
-    // Nothing is printed before every file is read: bad input is not to look like half an answer.
+    // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(w.a, w.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
@@ -164,7 +164,7 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     return found.same() ? Exit::done : Exit::answer_is_no;
 }
 
-/// What is compared may be half of a result.
+/// Prints on stderr which of the compared folders have incomplete results.
 void say_what_is_unfinished(const DiffWords& w) {
     std::set<fs::path> folders;
     for (const fs::path side : {w.a, w.b}) {
@@ -186,12 +186,12 @@ void say_what_is_unfinished(const DiffWords& w) {
 MapSides sides_of(const DiffWords& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
-        throw InputError(fmt::format("-i: names {}; name two of them, as in -i sphere.press -i sphere.unified",
+        throw InputError(fmt::format("-i: names {}; name two, as in -i sphere.press -i sphere.unified",
                                      scene::toml::counted(w.forms.size(), "form")));
     if (!w.b.empty())
         throw InputError("-i: compares two forms within one folder; leave out " + w.b +
                          ", or -i to compare two folders");
-    if (w.strict) throw InputError("--strict: compares files, and two forms are rows of the same file; leave it out");
+    if (w.strict) throw InputError("--strict: compares files, but two forms are rows of the same file; leave it out");
     return {w.a, w.a, w.forms[0], w.forms[1], w.formats};
 }
 
@@ -203,15 +203,15 @@ Exit run(const DiffWords& w, const Common& common) {
     if (common.verbose) options.most = UINT64_MAX;
     const MapSides sides = sides_of(w);
     if (w.b.empty() && !sides.are_forms())
-        throw InputError("diff: B is required, a file or folder to compare with; or name two forms of " + w.a +
+        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " + w.a +
                          ": -i FORM -i FORM");
     const bool folders = diff::are_folders(w.a, w.b.empty() ? w.a : w.b);
     if (!folders && sides.are_forms())
-        throw InputError(w.a + ": is a file; two forms are compared within the folder of a map");
+        throw InputError(w.a + ": is a file; to compare two forms, name the folder of a map");
     if (!w.draw.empty() && (!folders || w.strict))
         throw InputError("--draw: needs two folders of maps, or two forms of one, without --strict; leave it out");
     if (!w.formats.empty() && w.draw.empty())
-        throw InputError("-f: chooses what --draw draws; add --draw FOLDER, or leave out -f");
+        throw InputError("-f: selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
     say_what_is_unfinished(w);
     return folders && !w.strict ? run_on_maps(w, sides, options, common) : run_strictly(w, options, common);
 }

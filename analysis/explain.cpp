@@ -29,7 +29,7 @@ using measure::apriori::StepRays;
 
 namespace {
 
-/// What is asked beside the scene.
+/// The options of --ranges.
 struct RangeWords {
     bool asked = false;               ///< --ranges
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
@@ -45,12 +45,12 @@ struct ExplainOptions {
     bool json = false, fpcore = false, latex = false, c = false;
 };
 
-/// One of the option's kind. InputError for several, between commas or by a glob.
+/// The one form or format that the option names. Throws InputError if it names several, by commas or a pattern.
 template <class Select>
 auto only(const char* option, const std::string& word, const char* what, const Select& select) {
     const auto found = select(shell::items_in(word, option), option);
     if (found.size() != 1)
-        throw InputError(fmt::format("{} {}: names {} {}s, and explain looks at one ray in one {}; name one", option,
+        throw InputError(fmt::format("{} {}: names {} {}s, but explain looks at one ray in one {}; name one", option,
                                      word, found.size(), what, what));
     return found.front();
 }
@@ -61,16 +61,16 @@ void refuse_ray(const selection::RayWords& ray) {
     for (const auto& [option, given] : words)
         if (given)
             throw InputError(
-                fmt::format("--ranges, {}: a bound over ranges is of all rays of a scene or a step, and {} names "
-                            "one; leave out either",
+                fmt::format("--ranges, {}: --ranges bounds the error of all rays of a scene or a step, but {} names "
+                            "one ray; leave out one of them",
                             option, option));
     if (ray.subject.empty())
         throw InputError(
-            "--ranges: the ranges are those of the rays of a scene, or of a sweep at one step; name one, and give "
-            "other ranges by --range NAME=LOW..HIGH");
+            "--ranges: takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
+            "and give other ranges by --range NAME=LOW..HIGH");
 }
 
-/// `d.x=-0.5..0.5`, in the place of the scene's range.
+/// Parses a range that replaces that of the scene: `d.x=-0.5..0.5`.
 GivenRange range_named(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
@@ -87,13 +87,13 @@ GivenRange range_named(const std::string& text) {
     return asked;
 }
 
-/// The form itself, or it through the usual space where the solids stand under matrices.
+/// The form itself or, for primitives placed by matrices, the form with the usual transform.
 template <class Subject>
 const intersect::table::Intersector* form_for(const intersect::table::Intersector& form, const Subject& subject) {
     if (subject.meets(form.shapes())) return &form;
     if (subject.meets(form.shapes().placed()) && is_solid(form.shape) && !form.is_placed)
         return &intersect::space::through(intersect::space::usual_space(), form);
-    throw NothingSelected(fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are",
+    throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }
 
@@ -103,8 +103,8 @@ scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::file
     const auto kind = scene::sweep::sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
-                         ": has no axes, and --ranges takes the ranges from a step of a sweep that has; name one, or a "
-                         "scene, and give other ranges by --range NAME=LOW..HIGH");
+                         ": has no axes, but --ranges takes the ranges from a step of a sweep along axes; name one, or "
+                         "a scene, and give other ranges by --range NAME=LOW..HIGH");
     const selection::SweepWords changes{ray.size, ray.steps, ray.set};
     selection::check_changes(changes, kind, ray.subject);
     return {file, data, selection::read_changes(changes), stop};
@@ -114,15 +114,15 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
     std::string names;
     for (const auto& axis : sweep.axes) names += (names.empty() ? "" : ",") + axis.name;
     if (at.empty())
-        throw InputError(fmt::format("--ranges: {} is a sweep; name one step of it by --at {}", sweep.id, names));
-    const std::string what = fmt::format("a step of {}; write --at {}, a number each", sweep.id, names);
+        throw InputError(fmt::format("--ranges: {} is a sweep; name one of its steps by --at {}", sweep.id, names));
+    const std::string what = fmt::format("a step of {}; write --at {}, one number for each", sweep.id, names);
     std::vector<double> values;
     for (const Real& x : selection::numbers_of(at, {"--at", what.c_str(), sweep.axes.size()}, {}))
         values.push_back(scene::toml::round_to_format(x, binary64));
     return {fmt::format("{} at {}", sweep.id, at), sweep.rays(values)};
 }
 
-/// InputError for words that name a ray, and for ranges that are none.
+/// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
 Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, const measure::evaluate::TestedForm& row,
                     bool json, const Common& common) {
     refuse_ray(ray);
@@ -130,11 +130,11 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
     for (const std::string& text : words.ranges) {
         const GivenRange& asked = request.asked.emplace_back(range_named(text));
         if (std::ranges::count(request.asked, asked.name, &GivenRange::name) > 1)
-            throw InputError("--range " + text + ": " + asked.name + " has a range already; leave out one of the two");
+            throw InputError("--range " + text + ": " + asked.name + " has two ranges; leave one out");
     }
     const auto data = selection::data_folder(common.data);
     auto file = selection::sweep_named(ray.subject, data);
-    // Of a scene and a sweep of one name --at means the sweep.
+    // If a scene and a sweep have the same name, --at means the sweep.
     if (const auto sweep = data / "sweeps" / (ray.subject + ".toml");
         !file && !words.at.empty() && std::filesystem::is_regular_file(sweep))
         file = sweep;
@@ -147,7 +147,7 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
         if (!words.at.empty())
-            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
+            throw InputError("--at " + words.at + ": names a step of a sweep, but " + ray.subject +
                              " is not a sweep; leave it out");
         request.form = form_for(*row.form, scene);
         request.rays = std::move(scene);
@@ -168,7 +168,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
             "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
-            "to see them (docs/your-own-form.md). Without {} explain says what its answer is worth",
+            "type to see them (docs/your-own-form.md). Without {} explain judges its answer",
             o.form,
             o.json     ? "--json"
             : o.fpcore ? "--fpcore"
@@ -176,7 +176,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
                        : "--c"));
     if (o.ranges.asked) {
         if (o.fpcore || o.latex || o.c)
-            throw InputError("--ranges: a bound over ranges is written as text or by --json; leave out the others");
+            throw InputError("--ranges: the bound is printed as text or as --json only; leave out the other options");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
     }
     const selection::AskedRay asked =

@@ -33,7 +33,7 @@ using selection::JudgeWords;
 
 namespace {
 
-/// The metrics of the request, as its forms have them.
+/// The metrics of the request, made for its forms.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
                                       bool have_matrices, measure::metric::MetricSet& made) {
     std::vector<measure::evaluate::TestedForm> asked = request.rows;
@@ -52,28 +52,28 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
                           [&group] { return measure::blame::SettingOf(group); });
 }
 
-/// Says on stderr where the decimals of a file are not those of its format.
+/// Prints a note on stderr if the decimals of a file do not fit its format.
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
     const auto needed = [](const Format& f) { return scene::dump::NumberWords(f).digits(); };
     const Format narrow = *find_format("f32");
     const bool is_wide = format.parameters.precision > binary32.precision;
-    // Of numbers that are written as short as they can be, none may need the last of the digits.
+    // Shortest decimals may all be a digit shorter than the longest possible one, so one digit less is not reported.
     const bool is_short = result.decimals > 10 && result.digits + 1 < needed(format);
     if (is_wide && result.answers > 10 && result.floats == result.answers &&
         !(is_short && result.digits < needed(narrow)))
         fmt::print(stderr,
-                   "lostbits: {}: the t of all {} hits is a number of f32, exactly or as a decimal of it, and was "
-                   "judged as one of {}; if the answers were computed in float, say --format f32\n",
+                   "lostbits: {}: the t of all {} hits are numbers of f32, exactly or as decimals of f32, but were "
+                   "judged as {}; if the answers were computed in float, add --format f32\n",
                    file, result.answers, format.name);
     else if (is_short)
         fmt::print(stderr,
-                   "lostbits: {}: its numbers have at most {} digits, and a number of {} needs {}{}; the bits that are "
-                   "lost may be those that were not written: print with %.{}g (std::setprecision({}))\n",
+                   "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits may be lost only because "
+                   "they were not printed: print with %.{}g (std::setprecision({}))\n",
                    file, result.digits, format.name, needed(format),
                    is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
 }
 
-/// Hits that do not keep the wished bits, or are farther off than the tolerance.
+/// Cells with the numbers of hits that keep fewer bits than --bits, or whose error is above --tolerance.
 std::string fallen_short(const JudgeRequest& request, const measure::evaluate::FormSummary& s) {
     std::string words;
     for (const char* const name : {"enough_bits", "tolerance"}) {
@@ -83,7 +83,8 @@ std::string fallen_short(const JudgeRequest& request, const measure::evaluate::F
     return words;
 }
 
-/// What only meshes have, as a map prints it. `told`: of answers of a file only wrong neighbours are told apart.
+/// The cells that only meshes have, as a map prints them. `told` is false for the answers of a file, where cracks and
+/// double hits cannot be recognised.
 std::string mesh_counts(const measure::evaluate::FormSummary& s, bool told) {
     const auto count = [&](Outcome o) { return told ? std::to_string(s.count(o)) : "-"; };
     return fmt::format("{:>7} {:>10} {:>15} {:>12} ", count(Outcome::crack), count(Outcome::double_hit),
@@ -118,8 +119,8 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
     }
 }
 
-/// The rows of the work: the file's, if it has answers, then the forms asked for. Where forms were `opened` and none is
-/// asked for, says so.
+/// The rows to judge: that of the file, if it has answers, then those of -i. Prints a note if external intersectors
+/// were loaded but -i names no form.
 std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Dump& dump, const selection::Meets& meets,
                                                    const intersect::table::Intersector* answers, const Common& common) {
     std::vector<measure::evaluate::TestedForm> rows;
@@ -127,30 +128,29 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
     if (o.forms.empty()) {
         if (!o.formats.empty())
             throw InputError(fmt::format(
-                "-f {}: is a format of forms, and -i names none; the format of the answers is --format", o.formats[0]));
+                "-f {}: is for forms, and -i names none; for the format of the answers write --format", o.formats[0]));
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
-            fmt::print(stderr,
-                       "lostbits: only the answers of the file are judged; name forms with -i to judge them too\n");
+            fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;
-        throw NothingSelected(fmt::format(
-            "{}: has rays and no answers (columns hit or t); name the forms that are to "
-            "answer, such as -i '{}'",
-            o.file, selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
+        throw NothingSelected(
+            fmt::format("{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", o.file,
+                        selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
     auto all = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(all, "judge");
     const auto asked = selection::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
-        throw NothingSelected(o.file + ": no selected form handles its solids" + selection::words_to_meet(all, meets));
+        throw NothingSelected(o.file + ": no selected form handles its primitives" +
+                              selection::words_to_meet(all, meets));
     rows.insert(rows.end(), asked.begin(), asked.end());
     return rows;
 }
 
-/// The rays of a file as the request wants them: measured here, in a shard its part, or joined from what shards found.
-/// Nothing in a shard.
+/// Judges the rays of a file: all of them, or a part in a shard, or joins what shards found. Returns nothing in a
+/// shard.
 std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
@@ -222,13 +222,13 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (!o.size.empty()) request.picture = selection::parse_size(o.size);
     const auto [width, height] = request.picture.value_or(std::pair(1, 1));
     if (std::min(width, height) < 1 || std::max(width, height) > 65536)
-        throw InputError(
-            o.size.empty() ? fmt::format("{}: its rays lie as {} x {} pixels, and a picture has at most 65536 a side; "
-                                         "say by --size WxH how they are to lie",
-                                         o.file, width, height)
-                           : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
+        throw InputError(o.size.empty()
+                             ? fmt::format("{}: its array has {} x {} rays, but a picture has at most 65536 pixels per "
+                                           "side; give the size of the picture by --size WxH",
+                                           o.file, width, height)
+                             : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
     if (o.pictures == "all" && !request.picture)
-        throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
+        throw InputError("--pictures all: a list of rays is not a picture; give its columns and rows by --size WxH");
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : selection::select_metrics(o.metrics, made);

@@ -30,13 +30,13 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-/// A list as a table of words: the first column names, the others explain.
+/// A list as a table of texts. The first column has the names; the others explain them.
 struct Listing {
     std::vector<std::string> columns;
     std::vector<Row> rows = {};
 };
 
-/// A row of words for each item of a table.
+/// Makes a row of texts for each item of a table.
 template <class Items, class RowOf>
 Listing listing(std::vector<std::string> columns, const Items& items, const RowOf& row_of) {
     Listing l{std::move(columns)};
@@ -47,11 +47,11 @@ Listing listing(std::vector<std::string> columns, const Items& items, const RowO
     return l;
 }
 
-/// Of what has no more to say of itself than views of words.
+/// A row of `n` texts that live elsewhere.
 template <std::size_t n>
 using Words = std::array<std::string_view, n>;
 
-/// The right answer to a ray that starts inside.
+/// The right answer for a ray that starts inside.
 std::string from_inside(intersect::Inside said, Shape shape) {
     if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
     if (!is_solid(shape)) return "by solid";
@@ -91,7 +91,7 @@ Listing formats(const Common& /*common*/) {
     return listing({"name", "meaning"}, format_help, [](const FormatHelp& f) { return Words<2>{f.name, f.meaning}; });
 }
 
-/// Ways into the space of a solid under a matrix.
+/// Methods to transform a ray to the object space of a primitive.
 Listing spaces(const Common& /*common*/) {
     return listing({"name", "title", "direction", "source"}, intersect::space::spaces(), [](const auto& s) {
         return Words<4>{s.info->name, s.info->title, s.info->direction == intersect::Direction::unit ? "unit" : "any",
@@ -99,14 +99,14 @@ Listing spaces(const Common& /*common*/) {
     });
 }
 
-/// Ways of computing the box around a solid.
+/// Methods to compute the bounding box of a primitive.
 Listing hulls(const Common& /*common*/) {
     return listing({"name", "title", "source"}, intersect::hull::hulls(), [](const auto& way) {
         return Words<3>{way.info->name, way.info->title, way.info->source};
     });
 }
 
-/// Ways to make the ray of a pixel.
+/// Ray generators, which make the ray of a pixel.
 Listing makers(const Common& /*common*/) {
     return listing({"name", "title", "begins", "source"}, scene::camera::makers(), [](const auto& m) {
         return Words<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
@@ -145,7 +145,7 @@ Listing strategies(const Common& /*common*/) {
     });
 }
 
-/// Pairs of questions that should have one answer.
+/// Pairs of questions that should have the same answer.
 Listing checks(const Common& /*common*/) {
     return listing({"name", "title", "first", "second"}, measure::consistency::checks(),
                    [](const measure::consistency::Check& c) {
@@ -153,7 +153,7 @@ Listing checks(const Common& /*common*/) {
                    });
 }
 
-/// What runs shaders, in a line each.
+/// The devices that run shaders.
 Listing devices(const Common& common) {
     Listing l{{"name", "renderer", "version", "dot", "arithmetic"}};
     for (const std::string& kind : selection::devices_of({"all"})) {
@@ -168,11 +168,11 @@ Listing devices(const Common& common) {
     }
     if (l.rows.empty() && !common.quiet)
         fmt::print(stderr,
-                   "lostbits: no driver can run shaders here; `lostbits devices` says what each of them lacks\n");
+                   "lostbits: no driver can run shaders here; `lostbits devices` says what each of them needs\n");
     return l;
 }
 
-/// What each form names its operations: those of one solid of its shape.
+/// The labels of each form's operations, recorded with one primitive of its shape.
 Listing labels(const Common& /*common*/) {
     std::vector<Solid<double>> solids;
     for (const ShapeRow& row : shape_rows) solids.push_back(solid_around<double>(row.shape, {0, 0, 5}, 1));
@@ -180,12 +180,12 @@ Listing labels(const Common& /*common*/) {
     return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
         auto all = measure::blame::labels_of(
             form, {!is_solid(form.shape) ? std::span(solids).first(1) : std::span(solids), &march});
-        std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
+        std::ranges::sort(all);  // the order on the tape depends on the order in which the compiler evaluates arguments
         return Row{std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))};
     });
 }
 
-/// `sweeps` in the data folder. InputError where there is none: an empty list would say that all is well.
+/// The folder `what` of the data folder. Throws InputError if it does not exist, since an empty list would hide that.
 std::filesystem::path folder_of(const std::filesystem::path& data, const char* what) {
     const auto folder = data / what;
     if (!std::filesystem::is_directory(folder))
@@ -207,7 +207,7 @@ Listing scenes(const Common& common) {
     return l;
 }
 
-/// What a sweep runs over, its axes, the number of its cases, or the metric that a search makes large; and its title.
+/// The subject of a sweep (its axes, the number of its cases, or the metric of its search) and its title.
 std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& path,
                                                    const std::filesystem::path& data) {
     const auto of = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
@@ -244,7 +244,8 @@ Listing sweeps(const Common& common) {
     return l;
 }
 
-/// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
+/// The claims, in the order of the files, with the verdicts that they state. Nothing is measured; `lostbits check` does
+/// that.
 Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = folder_of(selection::data_folder(common.data), "claims");

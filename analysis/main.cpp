@@ -96,7 +96,7 @@ constexpr const char* footer =
     "See also:\n"
     "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
 
-/// Words for shells and for man(1), made of the options of all commands.
+/// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {
     const auto prints = [](const shell::Command& command, const std::function<std::string()>& text) {
         command.runs([text] {
@@ -115,7 +115,7 @@ void add_shell(const shell::Command& program) {
            [&program] { return shell::manual_page(program, LOSTBITS_VERSION, footer); });
 }
 
-/// What joins shards shows and does as the command line says, not as each of them did.
+/// The common options of a run that joins shards. They replace those of the shards' own command lines.
 std::vector<std::string> words_of(const Common& common) {
     std::vector<std::string> words{"--progress", "none"};
     if (common.quiet) words.emplace_back("-q");
@@ -126,7 +126,7 @@ std::vector<std::string> words_of(const Common& common) {
     return words;
 }
 
-/// `joined`: shards of this command that are to be joined; null where it is to be done.
+/// Runs the command of these words. `joined`: finished shards of this command to join; null: do the work.
 Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
     shell::CommandLine program("lostbits", program_and_version, description, footer);
     Common common;
@@ -172,7 +172,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     shell::TableOnStdout table(program);
     const Exit code = program.run();
     table.write();
-    // Of a process behind a pipe, and of what is only tried, whoever asks says it.
+    // `plugin` prints these notes itself, or its caller does.
     if (!common.quiet && !named("plugin")) {
         for (const std::string& note : intersect::doors::changes_noted())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
@@ -185,10 +185,11 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
 
 namespace {
 
-/// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
+/// Called when an exception is not caught, or when a library gives up (a thread pool without memory for its threads).
+/// Removes partial files and says why the program ends.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    // With no foreign code in the process, an exception that nobody catches is our own fault.
+    // Without foreign code in the process, an uncaught exception is a bug of lostbits.
     const char* const who = lostbits::intersect::doors::foreign_code_here();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
@@ -200,7 +201,7 @@ namespace {
         if (!is_foreign) code = lostbits::Exit::internal;
     }
     if (who != nullptr)
-        std::fprintf(stderr, "lostbits: %s: threw an exception where nobody can catch it; catch it there\n", who);
+        std::fprintf(stderr, "lostbits: %s: threw an exception where nothing can catch it; catch it there\n", who);
     else if (!is_foreign)
         std::fputs(
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
@@ -208,14 +209,14 @@ namespace {
             stderr);
     if (who != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
     else if (!lostbits::analysis::shell::tell_broken(static_cast<int>(code)) && is_foreign)
-        std::fputs("lostbits: an exception that nobody caught ended the program\n", stderr);
+        std::fputs("lostbits: an uncaught exception ended the program\n", stderr);
     std::_Exit(static_cast<int>(code));
 }
 
-/// The whole program, and its status.
+/// Runs the whole program. Returns its exit status.
 int run_program(int argc, char** argv) {
     using namespace lostbits;
-    // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
+    // stdio, not fmt: a closed stderr must not throw while an error is reported.
     const std::vector<std::string> words(argv, argv + argc);
     const auto fail = [&words](Exit code, const char* message) {
         const std::string text = analysis::shell::with_words_on_one_line(message, words);
@@ -225,7 +226,7 @@ int run_program(int argc, char** argv) {
     try {
         const scene::toml::FilesOfRun files;
         const Exit code = analysis::run_words(words, nullptr);
-        // A failed write to stdout (a full disk behind a redirection) loses results as a failed write to a file does.
+        // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
         intersect::process::put_back_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");
@@ -243,7 +244,7 @@ int run_program(int argc, char** argv) {
         return fail(Exit::internal, error.what());
     } catch (...) {
         return fail(Exit::internal,
-                    "caught something that is not a std::exception; a library under test may have thrown it");
+                    "an exception that is not a std::exception was thrown, perhaps by a library under test");
     }
 }
 
@@ -251,7 +252,8 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace lostbits;
-    // A library that LD_PRELOAD names was here before. Threads compute as the one that starts them.
+    // A library of LD_PRELOAD may have changed the floating-point state. Threads inherit it from the thread that starts
+    // them, so set it here.
     intersect::process::FloatingPoint::standard().set();
     analysis::shell::open_standard_streams();
     analysis::shell::install_signal_handlers();

@@ -40,12 +40,12 @@ struct MapOptions : selection::SharedOptions {
     bool envelope = false, exr = false;
 };
 
-/// What is changed about a scene.
+/// The options that change a scene.
 std::string input_of(const MapOptions& o) {
     return each(" --set '", o.scenes.set, "'") + (o.scenes.size.empty() ? "" : " --size " + o.scenes.size);
 }
 
-/// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
+/// The command that makes the same EXR again, with exactly the options that decide its bytes.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
     return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::blame::where_forms_are_from(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
@@ -54,15 +54,16 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
                        o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
 }
 
-/// The forms whose bits needed are asked for: those of the rows that exist in every width.
+/// The forms of the rows that exist in every width, as --bits-needed requires. Throws NothingSelected if there are
+/// none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& row : rows)
         if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: all selected forms exist in binary32 only; `lostbits list forms` shows the "
-            "formats of each");
+            "--bits-needed: no selected form exists in formats of every width; `lostbits list forms` lists "
+            "the formats of each form");
     return forms;
 }
 
@@ -96,7 +97,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
     return work;
 }
 
-/// Says which forms `--bits-needed` leaves out.
+/// Prints which forms `--bits-needed` leaves out.
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> said;
     for (const SceneWork& work : works) {
@@ -109,7 +110,8 @@ void note_skipped(const std::vector<SceneWork>& works) {
     }
 }
 
-/// What the EXR has of every pixel beside the answer and its class: lost bits, what is drawn, and what decides how.
+/// The metrics of every pixel in the EXR, in addition to the answer and its outcome: lost bits, the drawn metrics and,
+/// for an envelope, excess bits.
 std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o, std::vector<const Metric*> drawn) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (o.envelope) drawn.push_back(measure::metric::find_metric("excess_bits"));
@@ -119,13 +121,13 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
     return layers;
 }
 
-/// What is known of a scene in the end.
+/// The summaries of a scene at the end.
 struct SceneSummaries {
     std::vector<measure::evaluate::FormSummary> map;
     std::vector<measure::evaluate::NeededSummary> needed;
 };
 
-/// Says which forms lost hits because the range leaves out the only crossing that they tell.
+/// Prints which forms missed hits because they return one crossing and the range of the rays excludes it.
 void note_lost_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
     const Range<double>& range = work.map.scene->range;
     if (!range.open.tmin && !(range.tmin > 0)) return;
@@ -139,11 +141,12 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
                             missed, scene::toml::counted(summaries[r].true_hits, "hit"));
     }
     if (lost.empty()) return;
-    fmt::print(stderr,
-               "lostbits: scene {}: its rays begin {} t = {:g}, and these forms tell one crossing alone: where that is "
-               "left out they miss the next one: {}; `lostbits list forms` has next_crossing = yes of those that tell "
-               "it\n",
-               work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, lost);
+    fmt::print(
+        stderr,
+        "lostbits: scene {}: its rays begin {} t = {:g}. These forms return only one crossing, and miss the next "
+        "one if the range excludes the first: {}. Forms with next_crossing = yes in `lostbits list forms` return "
+        "both\n",
+        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, lost);
 }
 
 void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
@@ -159,12 +162,12 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
     const measure::evaluate::FormSummary& first = summaries.map.front();
     if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
         fmt::print(stderr,
-                   "lostbits: scene {}: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, "
-                   "look_at and width or fov\n",
+                   "lostbits: scene {}: no ray of its camera meets a primitive, so every pixel is a miss; check its "
+                   "eye, look_at and width or fov\n",
                    work.map.scene->id);
 }
 
-/// Where a scene's work is shown and how it is divided.
+/// The surroundings of the work on a scene: options, progress, division.
 struct Around {
     const Common& common;
     output::file::Progress& progress;
@@ -172,7 +175,8 @@ struct Around {
     const SceneFolders::Complete& complete;
 };
 
-/// Maps one scene; the number of its rays without a proved truth, which a shard leaves to the whole.
+/// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
+/// them.
 std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn,
                         const Around& around) {
     const Common& common = around.common;
@@ -217,7 +221,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     } else if (work.needed) {
         NeededRequest request = *work.needed;
         request.share = division.share();
-        // Its rays are asked in many widths: what the map took says nothing of it.
+        // --bits-needed tests the rays in many widths, so the time of the map does not predict its time.
         output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
                                         common.quiet);
         request.progress = advancing(progress, &estimate);
@@ -235,7 +239,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     return summaries.map.front().count(Outcome::unresolved);
 }
 
-/// The pictures of one scene: what was asked for, as its work measures it.
+/// The metrics to draw for one scene, as its work measures them.
 std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
     std::ranges::transform(asked, asked.begin(), [&work](const Metric* m) {
         return work.map.metrics[measure::metric::place_of(work.map.metrics, m->name)];
@@ -255,7 +259,7 @@ Exit run(MapOptions o, const Common& common) {
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
             throw InputError(
-                "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
+                "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = selection::load_scenes(o.scenes, selection::data_folder(common.data));
@@ -263,7 +267,7 @@ Exit run(MapOptions o, const Common& common) {
         scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
     selection::note_unmeasured(o.forms, met, common.quiet);
-    static_cast<void>(selection::parse_range(o.range, drawn));  // a mistake ends the run before any work
+    static_cast<void>(selection::parse_range(o.range, drawn));  // an error ends the run before any work
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
@@ -290,7 +294,7 @@ Exit run(MapOptions o, const Common& common) {
     for (const SceneWork& work : works) units += work.units();
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
     const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
-        SceneWork work = works[k];  // a copy, which points to what lives as long as this turn
+        SceneWork work = works[k];  // a copy that may point to objects of this iteration
         measure::truth::StageCounts stages;
         const auto bands =
             measure::evaluate::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();

@@ -33,17 +33,17 @@ struct MendOptions {
     double bits = 0, wrong = 0;
 };
 
-/// `id` has the solids that forms must be for.
+/// The form and format to repair. Throws an error if the form is not for the primitives of `id`.
 measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id, const selection::Meets& meets) {
     const auto forms = selection::select_forms({o.form});
     const auto formats = selection::select_formats({o.format});
     if (std::ranges::any_of(formats, selection::is_emulated))
-        throw InputError(
-            fmt::format("-f {}: operations are made wider in f32 and f64 only; name one of them", o.format));
+        throw InputError(fmt::format("-f {}: mend works in f32 and f64 only; name one of them", o.format));
     if (forms.size() != 1 || formats.size() != 1)
-        throw InputError(fmt::format("-i {}, -f {}: one form in one format is mended; name one", o.form, o.format));
+        throw InputError(
+            fmt::format("-i {}, -f {}: mend repairs one form in one format; name one of each", o.form, o.format));
     if (!forms.front()->exists_in(formats.front()))
-        throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
+        throw InputError(fmt::format("-f {}: {} does not exist in it; its formats: {}", o.format, o.form,
                                      selection::formats_of(*forms.front())));
     selection::refuse_makers(forms, "mend");
     const auto* form = forms.front();
@@ -51,11 +51,11 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
         form = &intersect::space::through(intersect::space::usual_space(), *form);
     if (!meets(form->shapes()))
         throw NothingSelected(
-            fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, id));
+            fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all", o.form, id));
     return {.form = form, .format = formats.front()};
 }
 
-/// The form, what it was mended to, and the catalogue, timed in one run. Where nothing can be compiled, it says why.
+/// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
 void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
     const MendRequest& request = result.request;
     std::vector<measure::mend::Written> written;
@@ -101,23 +101,23 @@ void write_page(const std::filesystem::path& path, const MendResult& result, con
     output::file::write_file(path, output::page::page(report));
 }
 
-/// The name of the form, and of its struct or function, is that of the file. Of folders that are not there only that of
-/// all files, `out`, is made.
+/// Throws InputError if the name of the file is not an identifier with .hpp or .glsl, since the form, and its struct or
+/// function, get that name; and if the folder of the file does not exist. Only the folder `out` is made.
 void require_code_name(const std::filesystem::path& path, const std::filesystem::path& out) {
     static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
     const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
     if (!known || !std::regex_match(path.stem().string(), name))
         throw InputError("--emit " + path.string() +
-                         ": the form takes the name of the file; write a word of letters, digits and _, and .hpp or "
+                         ": the form gets the name of the file; write a name of letters, digits and _ with .hpp or "
                          ".glsl, as in half_b_mended.hpp");
     const auto folder = path.parent_path();
     const bool is_made = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
     if (!folder.empty() && !is_made && !std::filesystem::is_directory(folder))
-        throw InputError(fmt::format("--emit {}: there is no folder {}; make it first, or name another", path.string(),
+        throw InputError(fmt::format("--emit {}: the folder {} does not exist; make it, or name another", path.string(),
                                      folder.string()));
 }
 
-/// Files of rays, all of which rows can be judged on, as often as is asked.
+/// Files of rays. Rows can be judged on all of their rays, as often as needed.
 class RayFiles {
 public:
     RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {}
@@ -125,7 +125,7 @@ public:
     [[nodiscard]] const std::string& words() const { return opened_.words; }
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
 
-    /// The request is about these files from then on.
+    /// Makes these files the subject of the request.
     void become_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::mend::catalogue_beside(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format, "--file-format");
@@ -185,10 +185,11 @@ Exit run(const MendOptions& o, const Common& common) {
                         .row = row_of(o, scene ? scene->id : rays->id(), meets),
                         .two_words = o.wider == "two-words"};
     if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
-        throw InputError("--emit " + o.emit + ": a shader computes in floats; mend the form in f32, or write .hpp");
+        throw InputError("--emit " + o.emit + ": shaders compute in f32; write -f f32, or a file .hpp");
     if (o.emit.ends_with(".glsl") && request.row.form->is_placed)
         throw InputError("--emit " + o.emit +
-                         ": a shader is given a solid and no matrix; write .hpp, or mend the form alone, -i " +
+                         ": a shader gets a primitive without a matrix; write .hpp, or mend the form without its "
+                         "transform, -i " +
                          std::string(intersect::hull::innermost(*request.row.form).info->name));
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
     request.limit.stop = common.stop;

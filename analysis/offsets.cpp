@@ -27,7 +27,7 @@ struct OffsetOptions : selection::SharedOptions {
     std::vector<std::string> along;
     std::string points = "both";
 
-    /// The axes that it asks for, each once.
+    /// The axes of --along, each once.
     [[nodiscard]] std::vector<Along> axes() const {
         std::vector<Along> axes;
         for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
@@ -38,7 +38,7 @@ struct OffsetOptions : selection::SharedOptions {
     }
 };
 
-/// The rows that a scene can be asked about: each form and format, with the points taken as they were asked for.
+/// The rows that can test a scene: each form and format, with each kind of hit point that --points names.
 std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene,
                                                  const std::vector<measure::evaluate::TestedForm>& all,
                                                  const OffsetOptions& o) {
@@ -50,7 +50,7 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene,
     return rows;
 }
 
-/// The scene at every place of an axis.
+/// Measures the scene at every position along an axis.
 void sweep_offsets(const OffsetRequest& request, Along along, output::offset::AlongFiles& files) {
     for (const double k : measure::offset::steps_along(along)) {
         const Scene there = measure::offset::moved_along(request.scene, along, k);
@@ -64,7 +64,7 @@ void sweep_offsets(const OffsetRequest& request, Along along, output::offset::Al
     files.finish();
 }
 
-/// Pixels of all rows, of the scene itself and of every place that it is moved to.
+/// The number of pixels of all rows, in the scene itself and at every position to which it is moved.
 std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
     std::uint64_t pixels = request.scene.pixels();
     for (const Along along : o.axes()) {
@@ -74,7 +74,7 @@ std::uint64_t units_of(const OffsetRequest& request, const OffsetOptions& o) {
     return pixels * request.rows.size();
 }
 
-/// Offsets over one scene; the number of its rays without a proved truth.
+/// Measures offsets on one scene. Returns the number of its rays without a proved truth.
 std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o, const Common& common,
                            output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
@@ -101,8 +101,8 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
             }
             if (summaries.front().points == 0)
                 fmt::print(stderr,
-                           "lostbits: scene {}: no ray of its camera meets a solid where the form says so, so there "
-                           "is no point to leave; look at its eye, look_at and width or fov\n",
+                           "lostbits: scene {}: the form finds no correct hit, so there is no point that a next ray "
+                           "could leave; check the eye, look_at and width or fov of its camera\n",
                            request.scene.id);
         });
     }
@@ -118,7 +118,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
     std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
     if (rows.empty())
         throw NothingSelected(
-            "offsets needs forms that tell where a ray meets a primitive, and none is selected; try -i 'sphere.*'");
+            "offsets needs forms that return t for a primitive, and none is selected; try -i 'sphere.*'");
     const auto strategies =
         selection::select_rows(measure::offset::strategies(), o.strategies, "strategy", "--strategy");
     auto scenes = scenes_of_solids(o, rows, "offsets", common);

@@ -25,21 +25,22 @@ using intersect::doors::Contract;
 using intersect::doors::ForeignForm;
 using measure::contract::Observation;
 
-/// Answers a pipe with the forms of a library; in place of the header says why it cannot.
+/// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
+/// in place of the header.
 Exit serve(const std::string& named) {
     const int answers = take_standard_output("plugin serve");
     intersect::process::keep_own_state();
     std::vector<ForeignForm> forms;
     try {
         forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
-    } catch (const Error& error) {  // for the process that asks to say
+    } catch (const Error& error) {  // the process at the other end reports it
         const std::string words = intersect::doors::refusal_of(error);
         return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
     }
     if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
-        "plugin serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
-        "--plugin LIBRARY --isolate`, which talks to it");
+        "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
+        "--isolate` runs this command");
 }
 
 const char* word_of(Observation::Verdict verdict) {
@@ -51,11 +52,11 @@ const char* word_of(Observation::Verdict verdict) {
     return "note";
 }
 
-/// Whether every promise is kept.
+/// Tries the promises of a form and prints the findings. True if every promise is kept.
 bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
-    intersect::process::put_back_limits();  // the last question may have lowered them, and what follows may fill a file
+    intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
     int broken = 0;
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;

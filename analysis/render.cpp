@@ -26,7 +26,7 @@ struct RenderOptions : selection::SharedOptions {
     std::vector<std::string> stages;
 };
 
-/// The scenes themselves; InputError where one has no spheres with colours.
+/// Returns the scenes. Throws InputError for a scene that does not consist of spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
     selection::refuse_made_rays(scenes, "render");
     for (const Scene& scene : scenes) {
@@ -37,15 +37,15 @@ std::vector<Scene> renderable(std::vector<Scene> scenes) {
                             scene.path.string()));
         if (!scene.meets(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))
             throw InputError(
-                fmt::format("{}: render draws {}, and scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
+                fmt::format("{}: render draws {}, but scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
                             row_of(scene::file::rendered_shape).plural, scene.id,
-                            Shapes(scene.shapes()).has(scene::file::rendered_shape) ? "other solids too" : "none"));
+                            Shapes(scene.shapes()).has(scene::file::rendered_shape) ? "other primitives too" : "none"));
     }
     return scenes;
 }
 
-/// The stages to draw, in rising order; a stage that the scene does not ask for becomes the last one before it that it
-/// does.
+/// The stages to draw, in rising order. A stage that the scene does not have is replaced by the last one before it that
+/// the scene has.
 std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOptions& o, bool quiet) {
     using scene::file::Stage;
     if (o.stages.empty()) return {scene.appearance.furthest()};
@@ -75,7 +75,7 @@ void print_rendered(const RenderRequest& request, const std::vector<RenderSummar
     }
 }
 
-/// Renders one scene; the number of its pixels of which something is not proved.
+/// Renders one scene. Returns the number of pixels with something that is not proved.
 std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o, const Common& common,
                            output::file::Progress& progress, const SceneFolders::Complete& complete) {
     const auto folder = std::filesystem::path(o.out) / request.scene.id;
@@ -100,7 +100,7 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
     const auto forms =
-        selection::select_forms(selection::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
+        selection::select_forms(selection::form_words_or(o.forms, {"sphere.expanded"}));  // the form of the source
     auto all = selection::cross(forms, selection::select_formats(o.formats));
     std::erase_if(all, [](const auto& row) { return row.form->shape != scene::file::rendered_shape; });
     if (all.empty())

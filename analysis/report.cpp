@@ -46,7 +46,7 @@ struct ReportOptions {
     intersect::process::StopToken stop = {};
 };
 
-/// What a report is about: files of scenes (some with one variant) and of sweeps.
+/// The subjects of a report: files of scenes (some with one variant) and of sweeps.
 struct Subjects {
     std::vector<scene::file::SceneName> scenes;
     std::vector<std::filesystem::path> sweeps;
@@ -61,7 +61,8 @@ std::vector<std::string> ids_in(const std::filesystem::path& folder) {
     return ids;
 }
 
-/// A path, or the name of a scene (perhaps with a variant) or of a sweep; scenes come first.
+/// Adds the subject of a word: a path, or the name of a scene (with an optional variant) or of a sweep. If both exist,
+/// the scene is meant.
 void add_subject(Subjects& subjects, const std::string& word, const std::filesystem::path& data) {
     if (std::filesystem::is_regular_file(word)) {
         if (scene::sweep::is_sweep_file(word)) subjects.sweeps.push_back(word);
@@ -78,7 +79,7 @@ void add_subject(Subjects& subjects, const std::string& word, const std::filesys
         subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": is not a file, nor a scene or sweep under " + data.string() + "; " +
+        throw InputError(word + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
                          scene::toml::did_you_mean(word, names));
     }
 }
@@ -112,8 +113,8 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
     return c.on<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
 }
 
-/// Those selected and those that a claim on the subject names: one's own forms first, then in the order of the
-/// catalogue. `-i` leaves the claims' out.
+/// The selected rows and, `with_claims`, those of the claims about the subject. External forms come first, then the
+/// others in the order of the catalogue.
 std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> rows,
                                  const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
@@ -133,11 +134,11 @@ std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedF
     return rows;
 }
 
-/// A map of so many rays names the culprit of each without being asked to; a larger one where `--metric` asks.
+/// The largest map, in rays, that has the culprit of each ray by default. Larger maps need `--metric culprit`.
 constexpr std::size_t small_map = 4096;
 
 struct Work {
-    measure::metric::MetricSet made;  ///< outlives the maps, whose metrics it keeps
+    measure::metric::MetricSet made;  ///< owns the metrics of the maps, so it must outlive them
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
     std::vector<ChoiceWork> choices;
@@ -151,7 +152,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
                 const selection::ChosenRows& chosen, intersect::process::StopToken stop) {
     std::vector<TestedForm> fit;
     const auto kind = scene::sweep::sweep_kind(path);
-    // What these find are numbers, and they take their time.
+    // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
@@ -165,8 +166,8 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
-/// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all
-/// are.
+/// True if a claim goes onto the page: --claims names it; without --claims, it is about something that is shown, or no
+/// subject is named.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
     if (!o.claims.empty()) return selection::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
@@ -174,12 +175,12 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()); });
 }
 
-/// Those of -i; without, all.
+/// The words of -i; without -i, all forms.
 std::vector<std::string> words_of(const ReportOptions& o) {
     return o.forms.empty() ? std::vector<std::string>{"*"} : o.forms;
 }
 
-/// Forms that are timed.
+/// The rows to time: the forms of -i in f32 and f64.
 std::vector<TestedForm> timed_rows(const ReportOptions& o) {
     return selection::cross(selection::select_forms(words_of(o)), selection::select_formats({"f32", "f64"}));
 }
@@ -191,7 +192,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     for (const std::string& glob : o.claims) {
         if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
             throw InputError("--claims " + glob +
-                             ": no claim of the profile results has this id; `lostbits list claims` names them");
+                             ": no claim of the profile results has this id; `lostbits list claims` lists all claims");
     }
     const auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, defaults.forms)),
                                        selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));
@@ -211,7 +212,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
             auto all = work.made.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
                                            [&scene] { return measure::blame::SettingOf(scene); });
-            // Its float layer would be the largest part of most pages.
+            // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
@@ -244,7 +245,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     std::set<std::string> ids;
     for (const MapWork& m : work.maps) {
         if (!ids.insert(m.scene.id).second)
-            throw InputError(fmt::format("scene \"{}\" is given twice; a page shows it only once", m.scene.id));
+            throw InputError(
+                fmt::format("scene \"{}\" is given twice, but a page shows it once; leave one out", m.scene.id));
     }
     return work;
 }
@@ -260,7 +262,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     const selection::ThreadLimit limit(common.threads);
     const auto folder = own_folder(o.out, common, common.typed.all_subjects(), {.shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
-    // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
+    // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, all claims as ten sweeps.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
     output::file::Progress progress(
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",

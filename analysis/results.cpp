@@ -148,7 +148,7 @@ double quantile_at(const std::string& text) {
 
 Exit end_with_unproved(std::uint64_t rays) {
     if (rays == 0) return Exit::done;
-    fmt::print(stderr, "lostbits: the true answer of {} could not be proved within {} bits; {} as `unresolved`\n",
+    fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                counted(rays, "ray"), measure::truth::TruthLimit{}.bits, rays == 1 ? "it counts" : "they count");
     return Exit::internal;
 }
@@ -211,7 +211,8 @@ void print_table(const measure::evaluate::EvaluationRequest& request,
                    lost_or_withheld(s, lost, 0.99));
         withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
     }
-    if (withheld) fmt::print("  -: form and truth agree on less than a tenth of the true hits\n");
+    if (withheld)
+        fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 
 void print_table(const measure::evaluate::NeededRequest& request,

@@ -1,4 +1,5 @@
-// What runs shaders here and how it rounds; and the process behind --shader, which alone loads a driver.
+// The commands `devices` and `shader`: which drivers run shaders here and how they round, and the process behind
+// --shader. Only such processes load a driver.
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -24,11 +25,11 @@ using namespace intersect::device;
 using namespace intersect::shader;
 
 std::shared_ptr<Device> device_named(const std::string& kind) {
-    setenv("EGL_LOG_LEVEL", "fatal", 0);  // what is missing is told once, by us
+    setenv("EGL_LOG_LEVEL", "fatal", 0);  // lostbits itself reports what is missing, once
     return kind.empty() ? open_any_device() : open_device(kind);
 }
 
-/// A driver may stop loops on its own: what the file itself bounds beyond that is told.
+/// Warns of loops that may run more often than the driver allows: some drivers end a loop after a fixed count.
 void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
     std::size_t told = 0;
     for (const CountedLoop& loop : shader.loops) {
@@ -36,28 +37,29 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
         if (loop.line == told || arithmetic.loop_limit == 0 || times <= arithmetic.loop_limit) continue;
         told = loop.line;
         const std::string runs =
-            times == CountedLoop::endless ? "has no end of its own" : fmt::format("may run {} times", times);
+            times == CountedLoop::endless ? "has no limit" : fmt::format("may run {} times", times);
         fmt::print(stderr,
-                   "lostbits: {}:{}: this loop {}; this driver leaves loops after {}{} without a word, so answers that "
-                   "need more are wrong\n",
+                   "lostbits: {}:{}: this loop {}, but this driver silently ends loops after {} iterations{}, so "
+                   "answers that need more are wrong\n",
                    shader.path, loop.line, runs, arithmetic.loop_limit,
-                   arithmetic.loops_together ? ", those around them counted," : "");
+                   arithmetic.loops_together ? ", with those of the loops around them," : "");
     }
 }
 
-/// Compiles the shader, then answers rays; in place of the header says why it cannot.
+/// Compiles the shader, then answers requests on standard input. If it cannot, it sends the reason in place of the
+/// header.
 Exit serve_shader(const std::string& named, const std::string& kind) {
     const int answers = take_standard_output("shader serve");
-    // A driver that hangs does not see its input end when the program that asks is killed.
+    // A driver that hangs would not notice that its input ends when the other program is killed.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::vector<intersect::doors::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(named);
-        const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // which alone takes HLSL
+        const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
         warn_of_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().doubles)
-            fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; f32 alone\n", shader.path,
+            fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
                        device->words().renderer);
         forms = forms_of(shader, device, !kind.empty(), line_of(device->words(), arithmetic));
     } catch (const Error& error) {
@@ -66,11 +68,11 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
     }
     if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
-        "shader serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
-        "--shader FILE.glsl`, which talks to it");
+        "shader serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --shader FILE.glsl` runs "
+        "this command");
 }
 
-/// What a device is and how it rounds, a line `key=value` each, and an empty line.
+/// Prints the facts about a device and its rounding, one line `key=value` for each, and an empty line.
 Exit tell_device(const std::string& kind) {
     const int output = take_standard_output("shader probe");
     std::string text;
@@ -93,7 +95,7 @@ Exit tell_device(const std::string& kind) {
 
 void print_device(const selection::DeviceTold& told) {
     if (!told.lacks.empty()) {
-        fmt::print("{}\n  not here: {}\n", told.kind, told.lacks);
+        fmt::print("{}\n  not available: {}\n", told.kind, told.lacks);
         return;
     }
     fmt::print("{}\n", told.kind);

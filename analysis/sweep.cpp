@@ -29,10 +29,10 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
                "threshold", "from", "last good", "first seen bad", "last good after", "first bad over draws");
     for (const measure::sweep::Onset& o : onsets) {
-        // What is bad at the last step says nothing when it is read from there.
+        // An onset from the last step says nothing if that step is bad already.
         if (!o.found || (o.from_last && o.from_start)) continue;
         const TestedForm& row = request.rows[o.row];
-        // Bad at the first step already: there is no last good value.
+        // If the first step is bad already, there is no last good value.
         const auto s = o.spread();
         fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
                    row.format.name, o.event, o.statistic, o.threshold, o.from_last ? "last" : "first",
@@ -44,7 +44,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     }
 }
 
-/// What a run over named cases leaves: the matrix.
+/// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
@@ -82,7 +82,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
         .metrics = {},
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
-    // Where forms stop short on purpose, the error by itself says little.
+    // Forms that march stop short on purpose, so the error alone says little: it is split in two.
     if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_solid(row.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
@@ -122,18 +122,18 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
 
 using selection::Meets;
 
-/// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
+/// Checks the file and the options. Returns a function that tells which forms can test it. Throws InputError.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data, intersect::process::StopToken stop) {
     using K = SweepKind;
     const bool searches = kind == K::search || kind == K::edge_search;
     if (o.worst && !searches)
         throw InputError(path.string() +
-                         ":1:1: --worst needs a [search] table, the ranges to search, or an "
-                         "[edge_search]; see data/sweeps/worst");
+                         ":1:1: --worst needs a [search] table with the ranges to search, or an "
+                         "[edge_search] table; see data/sweeps/worst");
     if (!o.worst && searches)
         throw InputError(path.string() +
-                         ":1:1: this file has a table of a search, which only --worst uses; add --worst");
+                         ":1:1: this file has a table for a search, which only --worst uses; add --worst");
     selection::check_changes(o, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
@@ -145,14 +145,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
         const char* const why = !sweep.is_drawn()        ? "has the rays of its scene and draws none at random"
-                                : sweep.axes.size() != 1 ? "has two axes, and onsets are found along one"
+                                : sweep.axes.size() != 1 ? "has two axes, but onsets need one axis"
                                                          : nullptr;
         if (why != nullptr && o.seeds.value_or(0) > 0)
             throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep.id, why));
         if (o.pictures == "all" && sweep.axes.size() != 2)
             throw InputError(fmt::format(
-                "--pictures all: {} has one axis, and its plots show all forms together; leave out --pictures",
-                sweep.id));
+                "--pictures all: {} has one axis, and each plot shows all forms; leave out --pictures", sweep.id));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(o).set);
@@ -165,13 +164,14 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
                          scene::toml::did_you_mean(search.metric, names));
     }
     if (metric->by_run)
-        throw InputError(
-            path.string() + ":1:1: search.metric is \"" + search.metric +
-            "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
+        throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
+                         "\", whose values are names of operations, so there is no largest one; try cancellation, or "
+                         "contribution:LABEL");
     return only(search.shape);
 }
 
-/// Of several sweeps one was stopped: those in front of it are done, and have their state; those behind it none yet.
+/// Resumes the sweeps that have a state. When a run of several sweeps is stopped, those before the stopped one have
+/// their final state, and those after it have none. Without any state, `resume` throws.
 void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
     const bool any = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
     for (const auto& run : runs)
@@ -190,14 +190,14 @@ Exit run(SweepOptions o, const Common& common) {
                          o,
                          common};
     if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
-    // A sweep always knows what the problem itself costs: its plots carry the envelope.
+    // The plots of a sweep have the envelope, which is the error that the problem itself costs.
     if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, made);
     if (!o.against.empty()) selection::add_pairs(chosen.asked);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
     require_folder(o.out);
     const auto data = selection::data_folder(common.data);
-    // Every file is read before the first is worked on: bad input leaves nothing behind.
+    // Reads every file before the work starts, so that bad input leaves no results behind.
     struct Sweep {
         std::filesystem::path path;
         SweepKind kind;
@@ -210,11 +210,12 @@ Exit run(SweepOptions o, const Common& common) {
         for (const Sweep& other : sweeps) {
             if (other.path.stem() == path.stem())
                 throw InputError(word + ": sweep \"" + path.stem().string() +
-                                 "\" is given twice; both would write to the same folder");
+                                 "\" is given twice, and both would write to the same folder; leave one out");
         }
         if (kind != SweepKind::every_float && o.resume)
-            throw InputError("--resume: " + path.stem().string() +
-                             " is not a sweep over every float, and only those can be resumed; leave out --resume");
+            throw InputError(
+                "--resume: " + path.stem().string() +
+                " is not a sweep over every float, and other sweeps cannot be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o, data, common.stop)});
     }
     const auto met = selection::drop_unfitting(

@@ -23,7 +23,7 @@ namespace {
 
 constexpr auto keep_every = std::chrono::seconds(5);
 
-/// Rounded down: a run that is stopped is never 100 % done.
+/// The share in percent, rounded down, so that a stopped run is never 100 % done.
 std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
     return static_cast<std::uint64_t>(static_cast<double>(part) / static_cast<double>(whole) * 100);
 }
@@ -79,7 +79,7 @@ ExhaustiveState ExhaustiveRun::try_all(bool keep) {
         progress.finish();
         unfinished_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
-            fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
+            fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
                        sweep_.id, percent(state_.tried, floats));
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
@@ -92,15 +92,16 @@ void ExhaustiveRun::forget_state() const {
     const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, {.keep = true}) : nullptr;
     output::file::forget_result(unfinished_.path());
     std::error_code ignored;
-    if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
+    if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // removes it if it is empty
 }
 
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const Common& common = chosen_.common;
-    // Someone may have forgotten --resume; the state is there until this run keeps its own.
+    // The user may have forgotten --resume. The old state stays until this run writes its own.
     if (!resumed_ && !common.quiet && unfinished_.is_there())
         fmt::print(stderr,
-                   "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
+                   "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
+                   "one, use --resume)\n",
                    unfinished_.path().string());
     const auto owner = chosen_.own(sweep_.id, path_, {.keep = resumed_, .resumes = !common.joined});
     std::optional<output::sweep::ExhaustiveFiles> files;
@@ -109,11 +110,11 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
         "sweep " + sweep_.id, [&] { return try_all(others_follow); },
         [this](const ExhaustiveState& part) { part.require_of(request_); });
     if (!found) return 0;
-    // Where a state of --resume is joined as if it were a shard, floats are missing that no sentence may speak of.
+    // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
     if (const std::uint64_t all = measure::sweep::floats_of(sweep_, {}); found->tried != all)
         throw InputError(fmt::format(
-            "{} of the {} floats of {} were tried: a part is that of a run that was stopped; run that shard again with "
-            "--resume, and join what it ends with",
+            "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
+            "--resume, then join the shards",
             found->tried, all, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
@@ -151,7 +152,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) 
     if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() +
                               ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
-                              "exclude all of the other ranges");
+                              "exclude all rays of the other ranges");
     }
     output::sweep::write_worst(folder, request, *found);
     complete(owner);
@@ -168,7 +169,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
     for (const TestedForm& row : request.rows)
         if (scene::rays::maker_of(*row.form) != nullptr)
             throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
-                             " are not those of a camera; name the form without @ray-");
+                             " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
     const auto owner = chosen.own(search.id, path);
     if (owner) probe(folder / "worst.csv");

@@ -1,4 +1,4 @@
-// What the kinds of `lostbits sweep` have in common, and those that are not over axes: every float, and searches.
+// Shared code of all kinds of `lostbits sweep`, and the kinds that are not over axes: every float, and searches.
 #pragma once
 
 #include <filesystem>
@@ -24,10 +24,10 @@ struct SweepOptions : selection::SweepWords {
     bool resume = false;
 };
 
-/// Moves a bar on, and says on long runs how long they will take.
+/// A progress bar with an estimate of the time, which is printed in long runs.
 class Watched {
 public:
-    /// `done`: units of an earlier run, which this one goes on with.
+    /// `done`: units that were done by the run that this one resumes.
     Watched(const std::string& id, std::uint64_t units, const Common& common, std::uint64_t done = 0)
         : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units - done, common.quiet) {
         if (done > 0) progress_.advance(done);
@@ -42,7 +42,7 @@ private:
 
 struct ChosenOfSweep {
     std::vector<measure::evaluate::TestedForm> rows;
-    std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
+    std::vector<const measure::metric::Metric*> asked;  ///< metrics in addition to the default ones
     measure::metric::MetricSet& made;
     Divided& divided;
     const SweepOptions& o;
@@ -53,14 +53,14 @@ struct ChosenOfSweep {
     [[nodiscard]] std::filesystem::path folder_of(const std::string& id) const {
         return std::filesystem::path(o.out) / id;
     }
-    /// The folder of a sweep in `out`, the run's own; a shard has one already.
+    /// Takes the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::string& id,
                                                                   const std::filesystem::path& sweep,
                                                                   output::file::ResultFolder::Rules rules = {}) const {
         if (divided.division.is_shard()) return nullptr;
         return own_folder(folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
     }
-    /// What a sweep of so many units comes to, measured here or joined from shards; nothing in a shard.
+    /// The result of a sweep of so many units, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>
     auto measured(const std::string& id, std::uint64_t units, Request& request, const Measure& measure) const {
         Watched progress(id, units, common);
@@ -71,25 +71,25 @@ struct ChosenOfSweep {
     }
 };
 
-/// Of a file with a `[search]`, and of one with an `[edge_search]`.
+/// Runs a file with a `[search]`, or one with an `[edge_search]`.
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen);
 void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen);
 
-/// A run that may be stopped and resumed. Not movable: the request points into it.
+/// A sweep over every float, which can be stopped and resumed. Not movable: the request points into it.
 class ExhaustiveRun {
 public:
-    /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep.
+    /// Takes the rows whose forms can test the sweep, in f32. Throws InputError for a file that is not such a sweep.
     ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSweep& chosen);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
     [[nodiscard]] bool was_stopped() const { return unfinished_.is_there(); }
-    /// InputError where there is no state, or one that it cannot go on from.
+    /// Reads the state of a stopped run. Throws InputError if there is none, or if it belongs to another run.
     void resume();
-    /// Tries what is left and writes the results, or notes them in a shard; when it is stopped, or others follow, the
-    /// state. Returns how many truths were not proved.
+    /// Tries the floats that are left and writes the results, or records them in a shard. Keeps its state if it is
+    /// stopped, or if others follow. Returns the number of truths that were not proved.
     std::uint64_t run(bool others_follow);
-    /// Takes the state away: what was found is kept elsewhere.
+    /// Removes the state, after the results are kept elsewhere.
     void forget_state() const;
 
 private:

@@ -27,7 +27,7 @@ struct TradeOptions {
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
     std::string out;
-    int repetitions = 0;  ///< 0: the plan's own
+    int repetitions = 0;  ///< 0: as many as the plan has
     bool quick = false;
 };
 
@@ -41,15 +41,15 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
     return plan;
 }
 
-/// The forms of a shape, on the sets of rays that it has.
+/// A request for the forms of a shape, on the sets of rays of the shape.
 TradeRequest request_for(const std::string& shape_name, const std::vector<TestedForm>& all) {
     const Shape shape = *shape_named(shape_name);
     const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&
         !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
         throw NothingSelected(fmt::format(
-            "--shape {}: its rays are aimed at a solid that stands under no matrix, and a space has nothing to do "
-            "there; name a scene whose solids do, as in --scene instance-far.{}",
+            "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
+            "a scene with matrices, as in --scene instance-far.{}",
             shape_name, shape_name));
     if (rows.empty())
         throw NothingSelected(fmt::format(
@@ -60,7 +60,7 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<Tested
             .loads = measure::speed::trade_loads(measure::speed::cache_sizes())};
 }
 
-/// The forms that fit a scene, on its own rays.
+/// A request for the forms that fit a scene, on its own rays.
 TradeRequest request_for(const Scene& scene, const selection::ChosenRows& all) {
     const auto rows = selection::timed_on(scene, all);
     return {.shape = rows.front().form->shape,
@@ -74,8 +74,8 @@ Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
     const auto formats = selection::select_formats(o.formats);
     if (const auto emulated = std::ranges::find_if(formats, selection::is_emulated); emulated != formats.end())
-        throw InputError(fmt::format(
-            "-f {}: this format is emulated, so its time says nothing; only f32 and f64 are timed", emulated->name));
+        throw InputError(
+            fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64", emulated->name));
     auto rows = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_makers(rows, "trade");
     selection::refuse_contracted(rows, "trade");

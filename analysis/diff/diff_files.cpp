@@ -47,7 +47,8 @@ FileKind kind_of(const fs::path& path) {
 }
 
 Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const CompareOptions& options) {
-    // One after the other: the order of arguments is the compiler's, and the first bad file is the one to name.
+    // Reads one file after the other, so that the error names the first bad file: compilers evaluate arguments in any
+    // order.
     const auto both = [&](auto read) {
         const auto left = read(a);
         return output::diff::compare(left, read(b), options);
@@ -67,7 +68,7 @@ std::set<fs::path> files_below(const fs::path& folder) {
         for (const auto& entry :
              fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink)) {
             if (entry.is_directory()) continue;
-            // A pipe or a socket would make the run wait for ever; a broken link has nothing to compare.
+            // Reading a pipe or a socket would wait for ever; a broken link has no content.
             if (!entry.is_regular_file())
                 throw InputError(entry.path().string() + ": is not a regular file; move it out of the folder");
             files.insert(entry.path().lexically_relative(folder));
@@ -123,7 +124,7 @@ std::vector<Result> compare_all(const std::string& a, const std::string& b, cons
         }
         return results;
     }
-    // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
+    // The name of a pipe does not tell its kind: it gets the kind of the other file.
     const FileKind left = kind_of(fs::is_regular_file(a) ? a : b), right = kind_of(fs::is_regular_file(b) ? b : a);
     if (left != right)
         throw InputError(fmt::format("{}: is {}, but {} is {}; compare two files of the same kind", a, name_of(left), b,

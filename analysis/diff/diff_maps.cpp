@@ -19,9 +19,9 @@ using scene::toml::counted;
 
 namespace {
 
-constexpr std::size_t most = 8;  // lines of each kind that fit on one screen
+constexpr std::size_t most = 8;  // lines of each kind, so that all fit on one screen
 
-/// `near-benign `: the folder of a table, in front of the names of its rows.
+/// `near-benign `: the folder of a table, as a prefix of the names of its rows.
 std::string subject_of(const fs::path& file) {
     const std::string folder = file.parent_path().string();
     const bool main = file.filename() == "summary.csv" || folder.empty();
@@ -29,7 +29,7 @@ std::string subject_of(const fs::path& file) {
     return subject.empty() ? "" : subject + " ";
 }
 
-/// The rows of two forms in one table; nothing where it has not both.
+/// Compares the rows of two forms in one table; nothing if the table does not have both.
 std::optional<RowChanges> held_against(const fs::path& file, const MapSides& sides, const CompareOptions& options) {
     const auto table = output::file::read_csv(file);
     if (!output::diff::has_row_keys(table)) return {};
@@ -82,7 +82,7 @@ void print_lines(const std::string& head, const std::vector<std::string>& lines,
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
 
-/// The names of the files of a form and format, `sphere.press.f32`, on both sides.
+/// The base names `sphere.press.f32` of the files of each form and format, on both sides.
 std::vector<std::pair<std::string, std::string>> drawn_rows(const MapSides& sides,
                                                             const output::file::CsvTable& table) {
     std::vector<std::pair<std::string, std::string>> rows;
@@ -184,8 +184,8 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, inte
     }
     if (drawn.empty())
         throw InputError(
-            fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps "
-                        "with --pixels csv or --exr",
+            fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps with "
+                        "--pixels csv or --exr",
                         out.string(), sides.a.string()));
     return drawn;
 }

@@ -1,4 +1,4 @@
-// Messages of the program, whose options are arguments here.
+// Rewrites messages of the program for callers, who have arguments instead of options.
 #include <array>
 #include <cctype>
 #include <string_view>
@@ -9,19 +9,19 @@ namespace lostbits::analysis::library {
 
 namespace {
 
-/// Options that are not called as the arguments are.
+/// Options whose arguments have another name.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> renamed{{{"-i", "forms"},
                                                                                 {"-f", "formats"},
                                                                                 {"--metric", "metrics"},
                                                                                 {"--intersector", "forms"},
                                                                                 {"--strategy", "strategies"},
                                                                                 {"--file-format", "format"}}};
-/// What a file's words say of a t below 0, where a column may be added.
+/// The advice of the message about a t below 0 in a file without a column hit.
 constexpr std::string_view of_misses = "; add a column hit, or write --miss";
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
-/// What the option is called as an argument.
+/// Name of the argument that stands for an option.
 std::string argument(std::string_view option) {
     for (const auto& [name, own] : renamed)
         if (option == name) return std::string(own);
@@ -34,7 +34,7 @@ std::string argument(std::string_view option) {
 
 std::string in_arguments(std::string text) {
     if (const std::size_t at = text.find(of_misses); at != std::string::npos)
-        text.replace(at, std::string::npos, "; give hit too, which is t >= 0 where a negative t means a miss");
+        text.replace(at, std::string::npos, "; give hit too: hit = t >= 0 if a negative t means a miss");
     std::string made;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const bool begins = i == 0 || text[i - 1] == ' ' || text[i - 1] == '(';

@@ -23,7 +23,7 @@ std::vector<std::string> names_of(const std::vector<ArrayColumn>& columns) {
     return names;
 }
 
-/// That of t; else of the widest column.
+/// The format of t; without t, that of the widest column.
 Format own_format(const std::vector<ArrayColumn>& columns) {
     const auto t = std::ranges::find(columns, "t", &ArrayColumn::name);
     const bool wide =
@@ -46,7 +46,7 @@ double number_at(const ArrayColumn& column, std::size_t i) {
     return x;
 }
 
-/// The shortest decimal, as files of rays have it.
+/// The shortest decimal that reads back as the number, as in files of rays.
 std::string text_at(const ArrayColumn& column, std::size_t i) {
     const double x = number_at(column, i);
     return column.type == ArrayColumn::Type::f32 ? fmt::format("{}", static_cast<float>(x)) : fmt::format("{}", x);

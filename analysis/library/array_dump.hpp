@@ -1,4 +1,4 @@
-// Rays that lie in the memory of whoever asks: read where they are, never copied whole.
+// Rays in the memory of the caller. They are read in place and never copied as a whole.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace lostbits::analysis::library {
 
-/// Numbers, one a ray: number i is at `data + i·step` bytes, of a step of 0 the same for all rays.
+/// One number per ray: number i is at `data + i·step` bytes. With a step of 0 all rays have the same number.
 struct ArrayColumn {
-    std::string name;  ///< as files of rays have it: ox, dz, t, hit, cx
+    std::string name;  ///< as in files of rays: ox, dz, t, hit, cx
     const std::byte* data = nullptr;
     std::ptrdiff_t step = 0;
     enum class Type { f32, f64, boolean } type = Type::f64;
@@ -20,12 +20,12 @@ struct ArrayColumn {
 /// Number i of a column, rounded once to the format.
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format);
 
-/// The columns of `count` rays, which outlive the dump; one of no name that files know is kept. What is wrong with a
-/// ray is an InputError that begins with `name` and its place from 0.
+/// The columns of `count` rays; the arrays outlive the dump. A column whose name files do not have is kept as text. An
+/// error in a ray is an InputError that begins with `name` and the index of the ray, from 0.
 class ArrayDump final : public scene::dump::Dump {
 public:
-    /// `options` as of a file, of which format, solid, open and stop are read. Without a format answers are of that of
-    /// t, else of the widest of all columns.
+    /// Reads format, solid, open and stop of `options`. Without a format, answers have that of t or, without t, that of
+    /// the widest column.
     ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
               const scene::dump::DumpOptions& options);
 

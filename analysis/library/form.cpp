@@ -1,4 +1,4 @@
-// Forms of one's own, and what a call chooses among all.
+// Forms of the caller, and the choice of forms, formats and metrics of a call.
 #include "analysis/library/handles.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -9,7 +9,7 @@ using intersect::doors::WrittenFormula;
 
 namespace {
 
-/// A form whose function is the caller's, and runs here.
+/// A form that runs a function of the caller in this process.
 ForeignForm foreign_of(const lb_form& given) {
     ForeignForm made{intersect::doors::contract_of(given, "form"), "form", {}};
     const auto run = given.run;
@@ -32,7 +32,7 @@ TapeOp op_of_word(const char* word) {
                      scene::toml::did_you_mean(word ? word : "", names));
 }
 
-/// Both rows anew, after a formula came.
+/// Makes both rows again after a formula was added.
 void renew(lostbits_form& form) {
     form.row = form.alone = form.asked->row();
     if (!form.formulas[0] && !form.formulas[1]) return;
@@ -60,7 +60,8 @@ Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(giv
 
 void Choosing::keep_those_for(const std::string& name, const selection::Meets& meets) {
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
-    if (rows.empty()) throw NothingSelected(name + ": no chosen form is for its solids, in a format that it exists in");
+    if (rows.empty())
+        throw NothingSelected(name + ": no chosen form takes its primitives in a chosen format; choose other ones");
 }
 
 }  // namespace lostbits::analysis::library
@@ -74,8 +75,7 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
     return guarded(error, [&] {
         require(forms, "forms");
         require(form, "form");
-        if (count != 1 && count != 2)
-            throw InputError("count must be 1, or 2 where a form is given for each of two formats");
+        if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto made = std::make_unique<lostbits_form>();
         made->asked = std::make_unique<intersect::doors::ForeignRow>(foreign_of(forms[0]));
         if (count == 2) made->asked->add(foreign_of(forms[1]));
@@ -90,7 +90,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
     return guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
-        if (bits != 32 && bits != 64) throw InputError("bits are 32 or 64");
+        if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
         WrittenFormula formula{.name = std::string(form->asked->info.name),
                                .shape = form->row.shape,
                                .operations = {},

@@ -1,5 +1,5 @@
-// What the handles of the C interface stand for, what a call hands back, tables of columns, as the writers of CSV files
-// have them, and texts, and what stands around every call.
+// The types behind the handles of the C interface, the tables and texts that a call returns, and the code around every
+// call: errors, arguments, threads, progress.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@
 
 namespace lostbits::analysis::library {
 
-/// One column and its rows: of numbers, of texts or of categories, by its type and by whether it has names.
+/// One column and its rows. It holds categories if it has names, else texts if its type is string, else numbers.
 struct ResultColumn {
     output::file::Column about;
     std::vector<double> numbers = {};
@@ -39,18 +39,18 @@ struct ResultColumn {
     std::vector<std::uint8_t> codes = {};
     std::vector<std::string> names = {};  ///< of the codes
 
-    std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< made by `seal`
+    std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< filled by `seal`
 };
 
-/// Rows that a CSV file would have, in memory.
+/// The rows of a CSV file, in memory.
 class ResultTable {
 public:
     ResultTable(std::string name, const std::vector<output::file::Column>& columns);
-    /// Takes rows as a file does.
+    /// A writer that adds rows here instead of to a file.
     [[nodiscard]] output::file::CsvWriter writer();
-    /// The column of that name, which is there.
+    /// The column of that name, which must exist.
     [[nodiscard]] ResultColumn& operator[](const std::string& column);
-    /// Makes the pointers that C reads; nothing is added after.
+    /// Fills the pointers that C reads. No row may be added after it.
     void seal();
 
     std::string name;
@@ -58,7 +58,7 @@ public:
     [[nodiscard]] std::size_t rows() const;
 };
 
-/// A row a ray of one form and format, as a map or a judgement gives them band by band.
+/// Fills a table with one row per ray of one form and format, from the bands of a map or a judgement.
 class RayTable {
 public:
     RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
@@ -87,16 +87,16 @@ struct lostbits_result {
 
 struct lostbits_scene {
     lostbits::scene::file::Scene scene;
-    std::string named;     ///< what names it to `lostbits explain`; empty where nothing does
-    bool has_own = false;  ///< its solids are arrays, and those that it was read with are gone
+    std::string named;     ///< its arguments for `lostbits explain`; empty if the command line cannot name it
+    bool has_own = false;  ///< its primitives came as arrays; those that it was read with are removed
 };
 
 struct lostbits_form {
     std::unique_ptr<lostbits::intersect::doors::ForeignRow> asked = {};
     std::array<std::shared_ptr<const lostbits::intersect::doors::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::doors::WrittenForm> written = {};
-    lostbits::intersect::table::Intersector row{};    ///< asked, and beside that what is written
-    lostbits::intersect::table::Intersector alone{};  ///< what is written alone; of nothing `row`
+    lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere
+    lostbits::intersect::table::Intersector alone{};  ///< the written operations everywhere; `row` if there are none
 };
 
 namespace lostbits::analysis::library {
@@ -105,7 +105,7 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
     if (error != nullptr) {
         error->code = static_cast<int>(code);
         std::size_t n = std::min(text.size(), sizeof error->text - 1);
-        // Not within a character, whose further bytes are 10xxxxxx.
+        // Do not cut within a UTF-8 character: its bytes after the first are 10xxxxxx.
         while (n < text.size() && n > 0 && (static_cast<unsigned char>(text[n]) & 0xc0) == 0x80) --n;
         std::memcpy(error->text, text.data(), n);
         error->text[n] = '\0';
@@ -113,13 +113,14 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
     return static_cast<int>(code);
 }
 
-/// What the program says of its options, for those who have arguments instead: `--metric culprit` as `metrics culprit`.
+/// Replaces the options in a message of the program by the names of arguments: `--metric culprit` by `metrics culprit`.
 std::string in_arguments(std::string text);
 
 inline constexpr std::string_view no_memory =
     "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
 
-/// `act()`, which gives an Exit, with arithmetic as IEEE 754 asks and with what it throws as a code and a text.
+/// Runs `act()`, which returns an Exit, in the floating-point environment of IEEE 754. Turns what it throws into a code
+/// and a text.
 template <class Act>
 int guarded(lostbits_error* error, const Act& act) {
     const intersect::process::KeepsFloatingPoint keeps;
@@ -132,7 +133,7 @@ int guarded(lostbits_error* error, const Act& act) {
         return put_error(error, e.code(), in_arguments(e.what()));
     } catch (const std::bad_alloc&) {
         return put_error(error, Exit::environment, std::string(no_memory));
-    } catch (const std::length_error&) {  // of more items than any memory has
+    } catch (const std::length_error&) {  // more items than any memory holds
         return put_error(error, Exit::environment, std::string(no_memory));
     } catch (const std::filesystem::filesystem_error& e) {
         return put_error(error, Exit::bad_input, scene::toml::words_about(e));
@@ -141,20 +142,20 @@ int guarded(lostbits_error* error, const Act& act) {
     }
 }
 
-/// What was found becomes the caller's.
+/// Passes the result to the caller, who owns it from then on.
 inline Exit hand_over(std::unique_ptr<lostbits_result> found, lostbits_result** result, Exit exit = Exit::done) {
     for (ResultTable& table : found->tables) table.seal();
     *result = found.release();
     return exit;
 }
 
-/// InputError where an argument that must be there is NULL.
+/// Throws InputError if a required argument is NULL.
 inline void require(const void* argument, const char* name) {
     if (argument == nullptr) throw InputError(std::string(name) + " is NULL; give one");
 }
 
-/// An argument of `count` rows, each of so many items. InputError where there are rows and no array, or more of them
-/// than memory has bytes.
+/// An argument of `count` rows with `items` items each. Throws InputError if there are rows but no array, or more items
+/// than memory can have.
 template <class T>
 std::span<const T> array_of(const T* first, std::size_t count, const std::string& name, std::size_t items = 1) {
     if (count > static_cast<std::size_t>(PTRDIFF_MAX) / (items * sizeof(T)))
@@ -165,7 +166,7 @@ std::span<const T> array_of(const T* first, std::size_t count, const std::string
     return {first, count * items};
 }
 
-/// InputError, which names the list, where one of its texts is NULL.
+/// The texts of a list. Throws InputError, which names the list, if one of them is NULL.
 inline std::vector<std::string> words_of(const lostbits_words& words, const std::string& name) {
     std::vector<std::string> all;
     for (const char* const word : array_of(words.words, words.count, name)) {
@@ -175,19 +176,19 @@ inline std::vector<std::string> words_of(const lostbits_words& words, const std:
     return all;
 }
 
-/// The token of a caller's byte. Another thread of another language sets it: what it writes is seen as a flag of ours.
+/// The token of a byte of the caller. A thread of another language writes the byte; it is read here as an atomic flag.
 inline intersect::process::StopToken stop_by(const unsigned char* byte) {
     static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
     return byte ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(byte))
                 : intersect::process::StopToken();
 }
 
-/// How a call runs; all of it optional.
+/// The optional settings of a call: threads, stop flag, progress.
 class CallRun {
 public:
     explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const { return stop_by(run_.stop); }
-    /// Adds up what is done of so much, and says so.
+    /// A function that adds units of work done, of `of` in all, and reports the sum to the caller.
     [[nodiscard]] std::function<void(std::uint64_t)> advancing(std::uint64_t of) {
         return [this, of](std::uint64_t more) {
             stop().check();
@@ -200,7 +201,8 @@ public:
 private:
     static int threads_of(const lostbits_run& run) {
         if (run.threads < 0)
-            throw InputError("threads is " + std::to_string(run.threads) + "; it is 0, one per core, or more");
+            throw InputError("threads is " + std::to_string(run.threads) +
+                             "; give 0 for one per core, or a number above 0");
         return run.threads;
     }
 
@@ -210,20 +212,20 @@ private:
     std::uint64_t done_ = 0;
 };
 
-/// What was chosen: rows of one's own first, then those of the table; the metrics keep what is made for them.
+/// The rows (form and format) that a call chooses: first those of the caller's forms, then those of the table.
 struct Choosing {
     lostbits_choice choice;
-    std::vector<std::string> forms;  ///< words, for messages and for sets
+    std::vector<std::string> forms;  ///< as given, for messages and for sets
     std::vector<measure::evaluate::TestedForm> rows;
     measure::metric::MetricSet made = {};
     std::vector<const measure::metric::Metric*> asked = {};
 
     explicit Choosing(const lostbits_choice* given, bool may_be_empty = false);
-    /// The rows for what is called `name`. NothingSelected where there are none.
+    /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
     void keep_those_for(const std::string& name, const selection::Meets& meets);
 };
 
-/// The path of a file in memory that holds a text, for as long as this lives; what messages say of it says `text`.
+/// A file in memory that holds a text, for as long as the object lives.
 class TextFile {
 public:
     explicit TextFile(const std::string& text);
@@ -231,7 +233,7 @@ public:
     TextFile(const TextFile&) = delete;
     TextFile& operator=(const TextFile&) = delete;
     [[nodiscard]] const std::string& path() const { return path_; }
-    /// `act()`; an InputError about the file says `text:LINE:COLUMN` in place of the path.
+    /// Runs `act()`. An InputError about the file says `text:LINE:COLUMN` in place of the path.
     template <class Act>
     auto with_places(const Act& act) const {
         try {

@@ -1,11 +1,17 @@
-/* lostbits as a library: scenes, maps, judged rays, certified truths, sweeps, explained rays and choices, as the
- * program `lostbits` measures them, with the same bits. C99; link with liblostbits.so.
+/* lostbits as a library: scenes, maps, judged rays, certified truths, sweeps, explained rays and choices. The results
+ * are those of the program `lostbits`, bit for bit. C99; link with liblostbits.so.
  *
- * A function returns LOSTBITS_OK or another of the codes below, which are the exit codes of the program, and then
- * `error->text` says what is wrong, why, and what to try; `error` may be NULL. Nothing is written to a file or to a
- * terminal. Handles belong to the caller, who gives them back to their `_free`; a handle may be used by several threads
- * at once as long as none of them changes or frees it. There is no state beside the handles: calls run side by side.
- * Texts are UTF-8 and end with a zero byte. A pointer in a result lives as long as the result. */
+ * Terms: a form is one way to compute the intersection of a ray with a primitive; its answer is a decision (hit or
+ * miss) and t. The truth of a ray is the exact answer for the stored numbers, with a proof of each decision.
+ *
+ * Errors: a function returns LOSTBITS_OK or another of the codes below, which are the exit codes of the program. If a
+ * call fails, `error->text` says what is wrong, why, and what to try. `error` may be NULL.
+ *
+ * Handles: the caller owns them and passes each to its `_free` function. Several threads may use one handle at once as
+ * long as none of them changes or frees it. Calls share no other state, so they may run at the same time.
+ *
+ * Nothing is written to a file or to a terminal. Texts are UTF-8 and end with a zero byte. A pointer in a result is
+ * valid until the result is freed. */
 #ifndef LOSTBITS_H
 #define LOSTBITS_H
 
@@ -24,102 +30,110 @@ extern "C" {
 #define LOSTBITS_API
 #endif
 
-/* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
+/* The version of this interface. It changes when a program compiled with the old header would no longer work. */
 #define LOSTBITS_ABI 7
 
 enum {
     LOSTBITS_OK = 0,           /* done */
-    LOSTBITS_NO = 1,           /* done, and the answer is no: nothing meets the wish of a choice */
-    LOSTBITS_BAD_INPUT = 2,    /* an argument, or a file, that does not say what it should */
-    LOSTBITS_ENVIRONMENT = 3,  /* the machine: memory, a file, a form from outside that failed */
-    LOSTBITS_NOTHING = 4,      /* a pattern that selects nothing */
-    LOSTBITS_INTERNAL = 70,    /* a fault of lostbits */
+    LOSTBITS_NO = 1,           /* done, and nothing meets the requirement of lostbits_choose or lostbits_mend */
+    LOSTBITS_BAD_INPUT = 2,    /* an argument or a file is wrong */
+    LOSTBITS_ENVIRONMENT = 3,  /* the machine or foreign code failed: memory, a file, a form of the caller */
+    LOSTBITS_NOTHING = 4,      /* a pattern selects nothing */
+    LOSTBITS_INTERNAL = 70,    /* a bug of lostbits */
     LOSTBITS_INTERRUPTED = 130 /* `stop` was set */
 };
 
 typedef struct lostbits_error {
     int code;
-    char text[4000]; /* cut short where it is longer */
+    char text[4000]; /* a longer message is cut short */
 } lostbits_error;
 
 typedef struct lostbits_scene lostbits_scene;
 typedef struct lostbits_form lostbits_form;
 typedef struct lostbits_result lostbits_result;
 
-/* LOSTBITS_ABI of the library that is loaded, and its version as text. */
+/* LOSTBITS_ABI of the loaded library, and its version as text. */
 LOSTBITS_API int lostbits_abi(void);
 LOSTBITS_API const char* lostbits_version(void);
-/* Ends the threads that calls share, and waits for them; the next call makes new ones. A process that is forked has
- * none of them, so that calls in the child would wait for ever: call it before fork(). LOSTBITS_ENVIRONMENT where they
- * are in use, by a call that runs, a thread that lives and has made calls, or another user of TBB. */
+/* Ends the threads that calls share, and waits until they have ended; the next call starts new ones. Call it before
+ * fork(): a child process has none of these threads, so its calls would wait for ever. Returns LOSTBITS_ENVIRONMENT if
+ * the threads are in use: by a running call, by a living thread that has made calls, or by another user of TBB. */
 LOSTBITS_API int lostbits_end_threads(lostbits_error* error);
 
 /* ---- Scenes ---- */
 
-/* A list of texts; {NULL, 0} is empty. Here as in all arrays of the interface, a count without an array, and a NULL
- * among the texts, are LOSTBITS_BAD_INPUT. */
+/* A list of texts; {NULL, 0} is empty. LOSTBITS_BAD_INPUT for a count above 0 without an array, as for all arrays of
+ * this interface, and for a NULL among the texts. */
 typedef struct lostbits_words {
     const char* const* words;
     size_t count;
 } lostbits_words;
 
 typedef struct lostbits_where {
-    const char* data;   /* the folder with scenes/ and sweeps/; NULL: $LOSTBITS_DATA, then ./data, then the program's */
-    int width, height;  /* of the picture; 0: the scene's own */
-    lostbits_words set; /* changes before the scene is read: "sphere[0].radius=10" */
-    const unsigned char* stop; /* another thread sets it to 1 to end the reading within a second; NULL: nobody does */
+    const char* data;   /* folder with scenes/ and sweeps/. NULL: $LOSTBITS_DATA, else ./data, else the installed one */
+    int width, height;  /* size of the picture in pixels; 0: that of the scene */
+    lostbits_words set; /* assignments made before the scene is read: "sphere[0].radius=10" */
+    const unsigned char* stop; /* set to 1 by another thread to stop the reading within a second; or NULL */
 } lostbits_where;
 
-/* A scene file, or the name of one in the data folder (`rtg-fig-7-3-4100-oblique`). `where` may be NULL. */
+/* Opens a scene file; `name` is its path, or its name in the data folder (`rtg-fig-7-3-4100-oblique`). `where` may be
+ * NULL. */
 LOSTBITS_API int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_scene** scene,
                                      lostbits_error* error);
-/* A scene from the text of such a file (docs/files.md). */
+/* Makes a scene from the text of such a file (docs/files.md). */
 LOSTBITS_API int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_scene** scene,
                                      lostbits_error* error);
-/* Takes the solids that a scene has away and gives it these: `count` solids of one shape ("sphere", "box", ...), the
- * numbers of each in the order of lb_batch.solids. A second call adds; `object` and `solid` of results number them from
- * 0 in the order in which they were given, the triangles of a mesh last. Numbers are ideal: where the scene's inputs
- * are shared they are rounded once to binary32, as those of a file are. */
+/* Adds `count` primitives of one shape ("sphere", "box", ...). Each has its numbers in the order of lb_batch.solids.
+ * The first call of this function or of lostbits_scene_mesh removes the primitives that the scene was read with.
+ * `object` and `solid` in results count the primitives from 0 in the order in which they were added; the triangles of a
+ * mesh come last. The numbers are ideal: if the scene's inputs are shared, they are rounded once to binary32, as those
+ * of a file are. */
 LOSTBITS_API int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
                                        lostbits_error* error);
-/* The same of a mesh: vertices count x 3, faces count x 3 places among them. */
+/* Sets the mesh of a scene: vertex_count x 3 coordinates, and face_count x 3 indices of vertices, from 0. Another call
+ * replaces the mesh. */
 LOSTBITS_API int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count,
                                      const uint32_t* faces, size_t face_count, lostbits_error* error);
-/* Puts all solids and the mesh of a scene under one matrix: twelve numbers, three rows of four, from their own space to
- * the world, or with `inverse` not 0 back (docs/spaces.md). The matrix is ideal too, and replaces those that there are;
- * none of their numbers is multiplied by it. */
+/* Places all primitives and the mesh that a scene has now by one matrix: twelve numbers, three rows of four. It maps
+ * object space to world space or, if `inverse` is not 0, world space to object space (docs/spaces.md). It replaces
+ * earlier matrices. The matrix is ideal too. The numbers of the primitives stay as they are; none is multiplied by the
+ * matrix. */
 LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int inverse,
                                           lostbits_error* error);
-/* The rays of the scene's camera as every format gets them: a table `rays` with x, y, ox ... dz, row after row of
- * pixels; and a table a shape with the stored numbers of its solids. Where solids of the shape stand under matrices it
- * has also M00 ... M23, missing for those that do not, and `inverse`, whether these lead to the solid. `number`: which
- * of all solids of the scene it is, from 0. */
+/* The rays and the primitives of a scene as binary64 gets them; every format gets the same values if the scene's inputs
+ * are shared. Tables: `rays` with the columns x, y, ox ... dz, row after row of pixels, and one table per shape with
+ * the stored numbers of its primitives. If primitives of a shape are placed by matrices, its table also has M00 ...
+ * M23, missing for a primitive without a matrix, and `inverse`, which is 1 if the matrix maps world space to object
+ * space. The column `number` is the index of the primitive in the scene, from 0. */
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);
 LOSTBITS_API void lostbits_scene_free(lostbits_scene* scene);
 
-/* The shapes there are, in the order of lb_form.shape, and the keys of each: a table `shapes` with shape, key, and how
- * many numbers the key has. */
+/* All shapes, in the order of lb_form.shape, and the keys of each: a table `shapes` with shape, key, and the count of
+ * numbers of the key. */
 LOSTBITS_API int lostbits_shapes(lostbits_result** result, lostbits_error* error);
 
-/* ---- Forms of one's own ---- */
+/* ---- Forms of the caller ---- */
 
-/* A form as `lostbits_plugin.h` describes it, one or one for each of two formats; texts are copied, `own` is kept. Its
- * `run` is called from several threads at once, unless its flags say LB_ONE_THREAD. */
+/* Makes a form of the caller from what `lostbits_plugin.h` describes. `count` is 1, or 2 to give one for each of two
+ * formats. Texts are copied; the pointer `own` is kept. Several threads call `run` at once unless `flags` has
+ * LB_ONE_THREAD. */
 LOSTBITS_API int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form, lostbits_error* error);
 
-/* One operation of a formula: what was done to one ray's numbers. `op` is a name of the tape (docs/explain.md): input,
- * constant, add, sub, mul, div, sqrt, fma, neg, abs, copysign, min, max, select, less, less_equal, greater,
- * greater_equal, both, either, opposite, next_up, next_down. */
+/* One operation of a formula, as it is applied to the numbers of one ray. `op` is the name of an operation
+ * (docs/explain.md): input, constant, add, sub, mul, div, sqrt, fma, neg, abs, copysign, min, max, select, less,
+ * less_equal, greater, greater_equal, both, either, opposite, next_up, next_down. */
 typedef struct lostbits_operation {
     const char* op;
-    int32_t operands[3]; /* places in the list, each before its own. Of an input: which number it is, o.x o.y o.z d.x
-                            d.y d.z, then the numbers of the solid, then where the ray ends */
-    double value;        /* of a constant */
-    const char* label;   /* what the formula's text calls it, or NULL */
+    int32_t operands[3]; /* indices of earlier operations in the list. For `input`, the first is the index of the input:
+                            o.x o.y o.z d.x d.y d.z, then the numbers of the primitive, then the t at which the ray
+                            ends */
+    double value;        /* for `constant`: its value */
+    const char* label;   /* name of the result in the formula's text, or NULL */
 } lostbits_operation;
 
-/* Says which operations the form does in a format (32 or 64), so that it can be explained, blamed, and run in formats
- * of any width and without rounding, as the forms of lostbits are. `hit` and `t` are places in the list. */
+/* Gives the operations of a form in one format; `bits` is 32 or 64. With them, lostbits can treat the form as its own
+ * ones: explain it, attribute its error to operations, and run it in formats of any width and without rounding. `hit`
+ * and `t` are indices in the list. */
 LOSTBITS_API int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation* operations, size_t count,
                                      int32_t hit, int32_t t, lostbits_error* error);
 LOSTBITS_API void lostbits_form_free(lostbits_form* form);
@@ -127,31 +141,33 @@ LOSTBITS_API void lostbits_form_free(lostbits_form* form);
 /* ---- What is measured, and how ---- */
 
 typedef struct lostbits_choice {
-    lostbits_words forms;      /* names and globs: "sphere.*"; all where neither these nor `own` are there */
-    lostbits_form* const* own; /* forms of one's own, which come first */
+    lostbits_words forms;      /* names and patterns: "sphere.*"; all forms if both this and `own` are empty */
+    lostbits_form* const* own; /* forms of the caller, which come first */
     size_t own_count;
     lostbits_words formats; /* "f32", "bf16", "p5..p12"; empty: f32 and f64 */
-    lostbits_words metrics; /* beside the default ones: "culprit", "tolerance:0.001", "enough_bits:16" */
-    int rows;               /* not 0: also a table a form and format with a row a ray */
-    int written;            /* not 0: forms of one's own answer by their written operations in f32 and f64 too */
+    lostbits_words metrics; /* in addition to the default ones: "culprit", "tolerance:0.001", "enough_bits:16" */
+    int rows;               /* not 0: also one table per form and format, with one row per ray */
+    int written;            /* not 0: run the operations of lostbits_form_write in f32 and f64 too, not `run` */
 } lostbits_choice;
 
 typedef struct lostbits_run {
-    int threads;               /* 0: one per core. While several calls run, the smallest number holds for all */
-    const unsigned char* stop; /* another thread sets it to 1 to end the call within a second; NULL: nobody does */
-    /* From any thread, one at a time; or NULL. `of` is 0 where it is not known beforehand: of lostbits_mend, which
-     * counts candidates. */
+    int threads;               /* 0: one per core. While several calls run, the smallest number of them holds for all */
+    const unsigned char* stop; /* set to 1 by another thread to end the call within a second; or NULL */
+    /* Reports progress, `done` of `of` units of work. Called from any thread, one call at a time; may be NULL. `of` is
+     * 0 if it is not known beforehand: lostbits_mend counts candidates. */
     void (*progress)(void* own, uint64_t done, uint64_t of);
     void* own;
 } lostbits_run;
 
-/* Every chosen form and format over the pixels of a scene. Tables: `summary`, as summary.csv of `lostbits map`; with
- * `rows`, one that is named FORM.FORMAT for each: outcome, object, truth_object, t, truth, and a column a metric. */
+/* Measures every chosen form and format on the pixels of a scene. Tables: `summary`, as summary.csv of `lostbits map`.
+ * With `rows` also a table FORM.FORMAT for each form and format: outcome, object, truth_object, t, truth, and one
+ * column per metric. */
 LOSTBITS_API int lostbits_map(const lostbits_scene* scene, const lostbits_choice* choice, const lostbits_run* run,
                               lostbits_result** result, lostbits_error* error);
 
-/* An array of one's own, read where it lies: item (i, k) is at data + i*step + k*item_step bytes. `bits` is 32 (float),
- * 64 (double) or 8 (a byte that is 0 or not). `step` 0: the same for every ray. `data` NULL: there is none. */
+/* An array of the caller, which is not copied: item (i, k) is at data + i*step + k*item_step bytes. `bits` is 32
+ * (float), 64 (double) or 8 (a byte; any value but 0 is true). With `step` 0 all rays have the same items. `data` is
+ * NULL if the array is not given. */
 typedef struct lostbits_array {
     const void* data;
     ptrdiff_t step, item_step;
@@ -161,79 +177,85 @@ typedef struct lostbits_array {
 typedef struct lostbits_rays {
     size_t count;
     lostbits_array origin, direction; /* count x 3 */
-    lostbits_array tmin, tmax;        /* count: where each ray begins and ends, both ends being part of it */
-    const char* open_ends;            /* but for "tmin", "tmax" or "both"; NULL: none */
-    const char* shape;                /* of the solids; or NULL where `scene` has them */
-    lostbits_array solids;            /* solid_count x numbers */
+    lostbits_array tmin, tmax;        /* count: the range of t of each ray, both ends included */
+    const char* open_ends;            /* ends of the range that are excluded: "tmin", "tmax", "both"; NULL: none */
+    const char* shape;                /* of the primitives; NULL if `scene` has them */
+    lostbits_array solids;            /* solid_count x numbers of a primitive, in the order of lb_batch.solids */
     size_t solid_count;
-    int paired;                      /* not 0: ray i is aimed at solid i alone; solid_count is count then */
-    const lostbits_scene* scene;     /* whose solids the rays are aimed at; or NULL */
-    lostbits_array t, hit;           /* count: answers; a t that is NaN or infinite is a miss */
-    const char* format;              /* that the answers were computed in; NULL: by the type of t */
-    int unit;                        /* not 0: t is a distance, of the direction normalised */
+    int paired;                      /* not 0: ray i is tested with primitive i alone; solid_count is then count */
+    const lostbits_scene* scene;     /* the scene whose primitives the rays are tested with; or NULL */
+    lostbits_array t, hit;           /* count: answers to judge; a t that is NaN or infinite is a miss */
+    const char* format;              /* format in which the answers were computed; NULL: from the type of t */
+    int unit;                        /* not 0: t is a distance, along the normalised direction */
     int touching, at_origin, inside; /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
     int facing;                      /* 0, LB_FACING_FRONT or LB_FACING_BACK */
-    lostbits_array by;               /* count: a number by which the summary of a judgement is grouped as well */
-    lostbits_array matrix; /* count x 12: under which each ray's solid stands, from its space to the world, row by row;
-                              its own solid of pairs, else the only one there is */
+    lostbits_array by;               /* count: a number; the summary of a judgement also has a group for each value */
+    lostbits_array matrix; /* count x 12: the matrix of the primitive for each ray, from object space to world space,
+                              row by row: that of primitive i if `paired`, else of the only primitive */
 } lostbits_rays;
 
-/* Rays of one's own, and answers if there are any: as `lostbits judge`. Tables as of a map, the answers being those of
- * the form `file.arrays`; with `by` the summary has rows for each of its values too, and a column `by` in front. */
+/* Judges answers to rays of the caller, and measures the chosen forms on these rays, as `lostbits judge` does. The
+ * tables are those of lostbits_map; the answers of the caller are those of the form `file.arrays`. With `by`, the
+ * summary also has rows for each of its values, and a column `by` in front. */
 LOSTBITS_API int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                                 lostbits_result** result, lostbits_error* error);
-/* What the chosen forms answer to the rays, unjudged: a table FORM.FORMAT each, with hit and t (NaN of a miss). */
+/* Answers of the chosen forms to the rays, not judged: a table FORM.FORMAT for each form and format, with hit and t
+ * (NaN for a miss). */
 LOSTBITS_API int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                                   lostbits_result** result, lostbits_error* error);
-/* The certified truth of each ray: a table `truth` with decision (0 miss, 1 hit, 2 unresolved), solid (from 0), and
- * t = t_hi + t_lo to 2^-72 of its value. */
+/* The certified truth of each ray: a table `truth` with decision (0 miss, 1 hit, 2 unresolved), solid (index of the
+ * primitive, from 0), and t = t_hi + t_lo with a relative error of at most 2^-72. */
 LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                 lostbits_error* error);
-/* Every crossing of each ray with triangles, in its range: those of a scene without other solids, or an array of them
- * that all rays share. Triangles are closed and met from both sides, and t >= 0 counts. Table `crossings`: ray and
- * place (from 0, in the exact order of t; crossings at one t share a place), solid, t = t_hi + t_lo to 2^-72 of its
- * value, front (it is met from the side on which its corners run counter-clockwise), at_rim (through an edge or a
- * vertex). Table `rays`: resolved, for each ray; 0 where no precision decided. */
+/* Every crossing of each ray with triangles, in its range. The triangles are those of `rays->scene`, which has no other
+ * primitives, or an array that all rays share. They are closed and met from both sides, and t >= 0 counts. Table
+ * `crossings`: ray and place (from 0, in the exact order of t; crossings at the same t have the same place), solid (index
+ * of the triangle), t = t_hi + t_lo with a relative error of at most 2^-72, front (the ray meets the side on which the
+ * corners run counter-clockwise), at_rim (it passes through an edge or a vertex). Table `rays`: resolved, for each ray;
+ * 0 if no precision decided, and crossings may be missing. */
 LOSTBITS_API int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
-/* Whether points (count x 3) lie in the meshes of a scene, which has no other solids. Table `points`: winding (by how
- * many layers of the surface the point is enclosed), crossings (of the ray that was counted), on_surface, resolved.
- * Table `mesh`, one row: edges, border (of one face), non_manifold (of more than two), unbalanced (along which more
- * faces run one way than the other), odd (of an odd number of faces), duplicates (faces). The winding does not depend
- * on the ray where unbalanced is 0, the parity of the crossings where odd is 0. */
+/* Position of points (count x 3) relative to the meshes of a scene, which has no other primitives. Table `points`:
+ * winding (by how many layers of the surface the point is enclosed), crossings (of the ray that was counted), on_surface,
+ * resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold edges (more than two),
+ * unbalanced edges (along which more faces run one way than the other), odd edges (an odd number of faces) and duplicates
+ * (faces with the vertices of an earlier face). The winding does not depend on the ray if unbalanced is 0, and the parity
+ * of the crossings does not if odd is 0. */
 LOSTBITS_API int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count,
                                  const lostbits_run* run, lostbits_result** result, lostbits_error* error);
-/* A sweep file or the name of one, or (`is_text`) the text of one. Tables `samples` and, of one axis, `onsets`. */
+/* Measures a sweep along axes. `sweep` is a file, its name in the data folder or, if `is_text` is not 0, its text.
+ * Tables: `samples` and, if the sweep has one axis, `onsets`. */
 LOSTBITS_API int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostbits_choice* choice,
                                 const lostbits_run* run, lostbits_result** result, lostbits_error* error);
-/* One ray, operation by operation, for the one form and format that `choice` names: pixel (x, y) of the scene. Texts:
- * 0 what `lostbits explain` says, 1 the same as JSON. */
+/* Explains one ray, that of pixel (x, y), operation by operation, in the one form and format that `choice` names. Text
+ * 0 is the output of `lostbits explain`; text 1 is the same as JSON. */
 LOSTBITS_API int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_choice* choice,
                                   lostbits_result** result, lostbits_error* error);
-/* By how much the origin of the next ray must move, and what strategies do (docs/offsets.md): a table `offsets`, as
- * summary.csv of `lostbits offsets`. `strategies`: names and globs; all where there are none. `points`: "computed",
- * "projected", or both where NULL. Where `choice` names no form or no format the usual ones are asked. */
+/* Measures by how much the origin of the next ray must move, and what each strategy makes of it (docs/offsets.md): a
+ * table `offsets`, as summary.csv of `lostbits offsets`. `strategies` has names and patterns; NULL or empty: all.
+ * `points` is "computed", "projected" or "both"; NULL: both. If `choice` names no form or no format, the default ones
+ * of `lostbits offsets` are measured. */
 LOSTBITS_API int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategies, const char* points,
                                   const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                                   lostbits_error* error);
 
 typedef struct lostbits_wish {
-    double bits;      /* correct bits of t, 0 to 53 */
-    double tolerance; /* how far the hit point may be off along the ray, in the scene's unit of length; below 0: any */
-    double wrong;     /* share of the rays that may be decided wrongly */
-    const char* at;   /* of how many hits that is asked: "p99", "max"; NULL: p99 */
+    double bits;      /* least number of correct bits of t, 0 to 53 */
+    double tolerance; /* largest error of the hit point along the ray, in the scene's unit of length; below 0: any */
+    double wrong;     /* largest share of the rays with a wrong decision, 0 to 1 */
+    const char* at;   /* share of the hits that must keep `bits` and `tolerance`: "p99", "max" (all); NULL: p99 */
 } lostbits_wish;
 
-/* The cheapest form and format that meets the wish. Tables `choose` and `room`; text 0 in words. LOSTBITS_NO with a
- * result where nothing meets it. */
+/* Finds the fastest form and format that meets the requirement. Tables: `choose`, and `room`, the margin in which the
+ * chosen one still meets it; text 0 is the answer in words. Returns LOSTBITS_NO, with a result, if nothing meets it. */
 LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
                                  const lostbits_run* run, lostbits_result** result, lostbits_error* error);
 
-/* What to change in the one form and format that `choice` names, whose operations are known, so that it meets the wish
- * on every pixel (docs/mend.md): operations in double, or with `two_words` in two numbers of the format, and other ways
- * of writing it. Tables `mend` and `minimal`, as the files of `lostbits mend`; text 0 in words, text 1 the form to take
- * as C++ where one meets the wish. LOSTBITS_NO with a result where nothing does. The wish names no tolerance; `at` NULL
- * is "max". */
+/* Finds what to change in the one form and format that `choice` names so that it meets the requirement on every pixel
+ * (docs/mend.md): operations to do in double or, with `two_words`, in two numbers of the format, and other ways to
+ * write the formula. The operations of the form must be known. Tables: `mend` and `minimal`, as the files of `lostbits
+ * mend`. Text 0 is the answer in words; text 1 is the form to take, as C++, if one meets the requirement. Returns
+ * LOSTBITS_NO, with a result, if nothing does. Set `tolerance` below 0; `at` NULL is "max". */
 LOSTBITS_API int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words,
                                const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
@@ -247,18 +269,19 @@ typedef struct lostbits_table {
 
 typedef struct lostbits_column {
     const char *name, *type, *unit, *meaning; /* type: number, integer, boolean or string, as in datapackage.json */
-    const double* numbers;                    /* a row each, NaN where missing; NULL for texts and categories */
-    const char* const* texts;                 /* a row each, NULL where missing; else NULL */
-    const uint8_t* categories;                /* a row each, a place among the names, 255 where missing; else NULL */
+    const double* numbers;                    /* one per row, NaN if missing; NULL for texts and categories */
+    const char* const* texts;                 /* one per row, NULL if missing; NULL for other columns */
+    const uint8_t* categories;                /* one index in `names` per row, 255 if missing; NULL for other columns */
     const char* const* names;                 /* of the categories */
     size_t name_count;
 } lostbits_column;
 
-/* Tables are counted from 0; LOSTBITS_NOTHING beyond the last, LOSTBITS_BAD_INPUT where `into` is NULL. */
+/* Fills `into` with a table, or with a column of a table; both are counted from 0. Returns LOSTBITS_NOTHING beyond the
+ * last one, LOSTBITS_BAD_INPUT if `into` is NULL. */
 LOSTBITS_API int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_table* into);
 LOSTBITS_API int lostbits_result_column(const lostbits_result* result, size_t table, size_t column,
                                         lostbits_column* into);
-/* NULL beyond the last. */
+/* A text, counted from 0; NULL beyond the last. */
 LOSTBITS_API const char* lostbits_result_text(const lostbits_result* result, size_t text);
 LOSTBITS_API void lostbits_result_free(lostbits_result* result);
 

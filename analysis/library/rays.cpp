@@ -1,4 +1,4 @@
-// Rays that come as arrays: judged, asked about, and their truth.
+// Rays that come as arrays: their judgement, the answers of forms, and their truth.
 #include "scene/rays/rays.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
@@ -26,13 +26,13 @@ namespace {
 
 constexpr const char* whose = "rays";
 
-/// The arrays as a dump, and the solids that all rays share.
+/// The arrays as a dump, and the primitives that all rays share.
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
-    /// Each ray has its own where there are none, and no mesh.
+    /// Empty without a mesh: each ray has its own primitive.
     std::vector<Solid<double>> solids = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< whose triangles come after these; null: none
-    Shape shape{};                                              ///< of the first
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles come after `solids`; null: no mesh
+    Shape shape{};                                              ///< of the first primitive
     [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
 };
 
@@ -41,7 +41,7 @@ void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, st
     using Type = ArrayColumn::Type;
     if (array.bits != 8 && array.bits != 32 && array.bits != 64)
         throw InputError("an array of " + names.front() + " has items of " + std::to_string(array.bits) +
-                         " bits; they are 32, 64 or, of decisions, 8");
+                         " bits; give 32 or 64, or 8 for decisions");
     for (std::size_t k = 0; k < names.size(); ++k)
         into.push_back(
             {.name = names[k],
@@ -52,7 +52,7 @@ void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, st
                                         : Type::f64});
 }
 
-/// Those of an array of solids that all rays share, one after the other.
+/// The primitives of an array that all rays share, in its order.
 std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape shape, const Format& format) {
     std::vector<ArrayColumn> columns;
     put_columns(columns, rays.solids, column_names(shape));
@@ -62,9 +62,10 @@ std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape sha
         for (std::size_t k = 0; k < columns.size(); ++k) solid.numbers[k] = number_at(columns[k], i, format);
         const auto broken = broken_limit(solid);
         for (const double x : solid.used())
-            if (!std::isfinite(x)) throw InputError("solid " + std::to_string(i) + " has a number that is not finite");
+            if (!std::isfinite(x))
+                throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
         if (broken)
-            throw InputError("solid " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
+            throw InputError("primitive " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
                              limit_words(shape, *broken->key));
         solids.push_back(solid);
     }
@@ -77,7 +78,7 @@ OpenEnds open_ends_of(const std::string& word) {
     throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
 }
 
-/// InputError where an array of so many rows and columns reaches farther than any memory does.
+/// Throws InputError if an array of that many rows and columns reaches farther than any memory.
 void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
     constexpr std::size_t most = PTRDIFF_MAX / 4;
     const auto reach = [](std::size_t count, std::ptrdiff_t step) {
@@ -86,13 +87,13 @@ void require_reach(const lostbits_array& array, std::size_t rows, std::size_t co
     };
     if (rows > most / sizeof(double) || !reach(rows, array.step) || !reach(columns, array.item_step))
         throw InputError(std::string(name) + ": " + std::to_string(rows) + " rows, " + std::to_string(array.step) +
-                         " bytes apart, of items " + std::to_string(array.item_step) +
-                         " bytes apart are more than any memory holds");
+                         " bytes apart, with items " + std::to_string(array.item_step) +
+                         " bytes apart, are more than any memory holds");
 }
 
 GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
-        throw InputError("rays: origin and direction are arrays of three numbers a ray; give both");
+        throw InputError("rays: origin and direction are arrays of three numbers per ray; give both");
     for (const auto* const array : {&rays.origin, &rays.direction}) require_reach(*array, rays.count, 3, whose);
     for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
         require_reach(*array, rays.count, 1, whose);
@@ -105,7 +106,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     put_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
     put_columns(columns, rays.t, std::array<std::string, 1>{"t"});
     put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
-    put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // by is a number of cylinders
+    put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // cylinders have a column by
     put_columns(columns, rays.matrix,
                 std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
     scene::dump::DumpOptions options{.stop = running.stop()};
@@ -113,18 +114,20 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
     GivenRays made;
     if (rays.scene != nullptr) {
-        if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no solids");
+        if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no primitives");
         made.shape = rays.scene->scene.shapes().front();
     } else {
         const auto shape = shape_named(rays.shape ? rays.shape : "");
         if (!shape || !is_solid(*shape) || rays.solids.data == nullptr)
             throw InputError(
-                "rays: no solids; give their shape (\"sphere\", \"box\", ...) and their numbers, or a scene");
+                "rays: there are no primitives; give their shape (\"sphere\", \"box\", ...) and their numbers, or a "
+                "scene");
         made.shape = *shape;
         if (rays.paired != 0 && rays.solid_count != rays.count)
             throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
-                             scene::toml::counted(rays.solid_count, "solid") + "; pairs need the same number of both");
-        if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
+                             scene::toml::counted(rays.solid_count, "primitive") +
+                             "; pairs need the same number of both");
+        if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no primitives; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
     }
     if (rays.paired == 0 || rays.scene != nullptr) options.solid = made.shape;
@@ -140,7 +143,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     return made;
 }
 
-/// Of solids of that shape.
+/// The contract that the arguments state, for primitives of that shape.
 intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     lb_form words{};
     words.name = "own.arrays";
@@ -177,7 +180,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     const measure::judge::FileForm answers("arrays", all.shape, contract);
     if (!chosen.rows.empty()) chosen.keep_those_for(whose, meets_of(all));
     else if (!all.dump->layout().has_answers())
-        throw NothingSelected("rays: there are no answers (t or hit) and no forms; give either");
+        throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (all.dump->layout().has_answers()) {
         request.file_form = &answers.form();
         request.rows.push_back({request.file_form, all.dump->format()});
@@ -228,8 +231,9 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     return result;
 }
 
-/// Pieces of the rays, in parallel: `act(first, group, culler)`, the group being rays from `first` on with their
-/// solids, among which the culler, of at least `many` or of a mesh, finds those that matter; else null.
+/// Calls `act(first, group, culler)` in parallel for pieces of the rays. The group has the rays from `first` on and
+/// their primitives. The culler finds the primitives that a ray can meet; it is null unless there is a mesh or at least
+/// `many` primitives.
 template <class Act>
 void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t many, const Act& act) {
     constexpr std::size_t piece = 8192;
@@ -264,8 +268,8 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
     for (const TestedForm& row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name),
-            std::vector<output::file::Column>{{"hit", "boolean", "", "whether the form says that the ray hits"},
-                                              {"t", "number", "t", "its answer, in its own unit"}});
+            std::vector<output::file::Column>{{"hit", "boolean", "", "1 if the form answers that the ray hits"},
+                                              {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
     by_piece(all, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
@@ -295,10 +299,11 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
     const intersect::Info contract = contract_of_arrays(rays, all.shape);
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
-        "truth", std::vector<output::file::Column>{{"decision", "integer", "", "0 miss, 1 hit, 2 unresolved"},
-                                                   {"solid", "integer", "", "the solid that is hit, from 0"},
-                                                   {"t_hi", "number", "t", "t*, to the nearest number of binary64"},
-                                                   {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"}});
+        "truth",
+        std::vector<output::file::Column>{{"decision", "integer", "", "0 miss, 1 hit, 2 unresolved"},
+                                          {"solid", "integer", "", "index of the primitive that is hit, from 0"},
+                                          {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
+                                          {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
     const bool unit = contract.direction == intersect::Direction::unit;
     by_piece(all, running, rays.count, measure::culling::least_solids,

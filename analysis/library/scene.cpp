@@ -1,4 +1,4 @@
-// Scenes: from files, from texts, from arrays.
+// Scenes from files, from texts and from arrays.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ std::string data_of(const lostbits_where& where) {
     return selection::data_folder(where.data ? where.data : "").string();
 }
 
-/// Takes away what the scene was read with, once.
+/// Removes the primitives that the scene was read with, once.
 void make_room(lostbits_scene& scene) {
     if (scene.has_own) return;
     scene.has_own = true;
@@ -53,7 +53,7 @@ Shape shape_of_word(const char* word) {
     return *shape;
 }
 
-/// As a file's solids are held to what a solid is, ideal and as it is stored.
+/// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
 Solid<Real> solid_of(Shape shape, const double* numbers, const Scene& scene, const std::string& place) {
     Solid<double> solid(shape);
     std::copy_n(numbers, solid.used().size(), solid.used().begin());
@@ -74,12 +74,12 @@ void add_rays(const Scene& scene, lostbits_result& result) {
     ResultTable& table = result.tables.emplace_back(
         "rays", std::vector<output::file::Column>{{"x", "integer", "pixel", "column, from the left"},
                                                   {"y", "integer", "pixel", "row, from the top"},
-                                                  {"ox", "number", "", "of the ray's origin"},
-                                                  {"oy", "number", "", "of the ray's origin"},
-                                                  {"oz", "number", "", "of the ray's origin"},
-                                                  {"dx", "number", "", "of the ray's direction"},
-                                                  {"dy", "number", "", "of the ray's direction"},
-                                                  {"dz", "number", "", "of the ray's direction"}});
+                                                  {"ox", "number", "", "coordinate of the ray's origin"},
+                                                  {"oy", "number", "", "coordinate of the ray's origin"},
+                                                  {"oz", "number", "", "coordinate of the ray's origin"},
+                                                  {"dx", "number", "", "coordinate of the ray's direction"},
+                                                  {"dy", "number", "", "coordinate of the ray's direction"},
+                                                  {"dz", "number", "", "coordinate of the ray's direction"}});
     auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
                                                             : scene::rays::input_rays(scene, 0, scene.height, binary64);
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
@@ -91,7 +91,7 @@ void add_rays(const Scene& scene, lostbits_result& result) {
         table.columns[k++].numbers = std::move(*column);
 }
 
-/// The numbers of the matrix, and which way it leads.
+/// Adds the numbers of the matrix and its direction to the columns.
 void add_matrix(const std::optional<Placement<double>>& placed, std::span<ResultColumn> columns) {
     constexpr std::size_t numbers = Affine<double>::numbers;
     for (std::size_t k = 0; k < numbers; ++k)
@@ -106,14 +106,13 @@ void add_solids(const Scene& scene, lostbits_result& result) {
         const bool placed = std::ranges::any_of(
             solids, [shape](const Solid<double>& solid) { return solid.shape == shape && solid.placed; });
         for (const std::string& name : number_names(shape))
-            columns.push_back({name, "number", "", "of the solid, as it is stored"});
+            columns.push_back({name, "number", "", "number of the primitive, as stored"});
         const std::size_t numbers = columns.size();
         for (std::size_t k = 0; placed && k < Affine<double>::numbers; ++k)
             columns.push_back({"M" + std::to_string(k / 4) + std::to_string(k % 4), "number", "",
-                               "of the matrix that it stands under, as it is stored"});
-        if (placed)
-            columns.push_back({"inverse", "boolean", "", "whether the matrix leads from the world to the solid"});
-        columns.push_back({"number", "integer", "", "of the solid among all of the scene, from 0"});
+                               "number of the matrix that places the primitive, as stored"});
+        if (placed) columns.push_back({"inverse", "boolean", "", "1 if the matrix maps world space to object space"});
+        columns.push_back({"number", "integer", "", "index of the primitive in the scene, from 0"});
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
         for (std::size_t i = 0; i < solids.size(); ++i) {
             const Solid<double>& solid = solids[i];
@@ -174,7 +173,7 @@ int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double
     return guarded(error, [&] {
         require(scene, "scene");
         const Shape of = shape_of_word(shape);
-        if (count == 0) throw InputError("there are no solids; give at least one");
+        if (count == 0) throw InputError("there are no primitives; give at least one");
         require(numbers, "numbers");
         const std::span<const double> all = array_of(numbers, count, "numbers", row_of(of).numbers);
         std::vector<Solid<Real>> solids;
@@ -226,7 +225,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         require(scene, "scene");
         require(matrix, "matrix");
         Scene& of = scene->scene;
-        if (of.flake) throw InputError("transform: a sphereflake is made in the world, and no matrix moves it");
+        if (of.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
         const bool shared = of.inputs == scene::file::Inputs::shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
@@ -260,13 +259,13 @@ int lostbits_shapes(lostbits_result** result, lostbits_error* error) {
     return guarded(error, [&] {
         require(result, "result");
         auto found = std::make_unique<lostbits_result>();
-        auto csv =
-            found->tables
-                .emplace_back("shapes",
-                              std::vector<output::file::Column>{{"shape", "string", "", "as it is called"},
-                                                                {"key", "string", "", "of its numbers, in their order"},
-                                                                {"numbers", "integer", "", "how many the key has"}})
-                .writer();
+        auto csv = found->tables
+                       .emplace_back("shapes",
+                                     std::vector<output::file::Column>{
+                                         {"shape", "string", "", "name of the shape"},
+                                         {"key", "string", "", "key of its numbers, in their order"},
+                                         {"numbers", "integer", "", "count of numbers of the key"}})
+                       .writer();
         for (const ShapeRow& row : shape_rows)
             for (const Key& key : row.keys) csv.add(row.name).add(key.name).add(key.count()).end_row();
         return hand_over(std::move(found), result);

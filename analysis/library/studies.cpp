@@ -1,4 +1,4 @@
-// Sweeps, explained rays, offsets, choices and mended forms.
+// Sweeps, explained rays, offsets, choices and repaired forms.
 #include <cmath>
 
 #include "analysis/library/handles.hpp"
@@ -51,15 +51,16 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     return result;
 }
 
-/// The only row; `what` is asked of one whose operations are known.
+/// The only chosen row. Throws InputError, which begins with `what`, if there are several, or if the operations of its
+/// form are not known.
 const TestedForm& the_one_row(const Choosing& chosen, const std::string& what) {
     if (chosen.rows.size() != 1)
         throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
-                         " rows are chosen; name one form and one format");
+                         " pairs of form and format are chosen; name one form and one format");
     const TestedForm& row = chosen.rows.front();
     if (!row.form->is_template())
         throw InputError("form " + std::string(row.form->info->name) +
-                         ": its operations are not known; say them with lostbits_form_write");
+                         ": its operations are not known; give them with lostbits_form_write");
     return row;
 }
 
@@ -103,7 +104,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     return result;
 }
 
-/// Texts of the program's as a list of the interface's; they end with a zero byte.
+/// Texts of the program as a list for the interface. Each must end with a zero byte.
 std::vector<const char*> words_in(const std::vector<std::string_view>& texts) {
     std::vector<const char*> words(texts.size());
     std::ranges::transform(texts, words.begin(), &std::string_view::data);
@@ -111,26 +112,26 @@ std::vector<const char*> words_in(const std::vector<std::string_view>& texts) {
 }
 
 measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
-    if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits are from 0 to 53");
-    if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays, from 0 to 1");
-    if (std::isnan(wish.tolerance)) throw InputError("tolerance is not a number; it is a length, below 0 where any is");
+    if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits must be from 0 to 53");
+    if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays and must be from 0 to 1");
+    if (std::isnan(wish.tolerance))
+        throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
     measure::choice::Wish asked{
         .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : usual)};
     if (wish.tolerance >= 0) asked.tolerance = wish.tolerance;
     return asked;
 }
 
-/// Whether anything meets the wish; the result says what.
+/// Fills the result. True if anything meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
                bool two_words, Choosing& chosen, CallRun& running) {
-    if (wish.has_tolerance()) throw InputError("a form is mended to keep bits of t; give no tolerance");
+    if (wish.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
-        throw InputError("the solids of scene " + scene.id +
-                         " stand under matrices; `lostbits mend` looks through those");
-    const TestedForm& row = the_one_row(chosen, "a form is mended in one format");
-    if (selection::is_emulated(row.format))
-        throw InputError("operations are made wider in f32 and f64 only; name one of them");
+        throw InputError("the primitives of scene " + scene.id +
+                         " are placed by matrices; only the command `lostbits mend` takes those");
+    const TestedForm& row = the_one_row(chosen, "mend repairs one form in one format");
+    if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_makers({row.form}, "mend");
     selection::refuse_made_rays({scene}, "mend");
     measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
@@ -146,7 +147,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
     return mended.set || is_better;
 }
 
-/// Whether anything meets the wish; the result says what.
+/// Fills the result. True if anything meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
                  Choosing& chosen, CallRun& running) {
     measure::choice::ChoiceRequest request;
@@ -158,7 +159,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     std::erase_if(request.rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
     if (request.rows.empty())
         throw InputError(
-            "a choice is among f32 and f64: the time of an emulated format says nothing; name one of them");
+            "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
     request.progress = running.advancing(scene.pixels() * request.rows.size());
     measure::choice::TimedRays timed;
     const auto all = measure_candidates(request, timed);
@@ -172,14 +173,15 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     return found.meets.has_value();
 }
 
-/// What a wish is asked of, and how.
+/// The arguments of a call with a requirement.
 struct Asked {
     const lostbits_scene* scene;
     const lostbits_wish* wish;
     const lostbits_choice* choice;
     const lostbits_run* run;
 };
-/// `find` puts the answer into a new result and tells whether it is yes; `usual` is the wish's `at`.
+/// Calls `find`, which fills a new result and returns true if the answer is yes. `usual` is the requirement's `at` if
+/// none is given.
 template <class Find>
 Exit answer_to(const Asked& asked, const char* usual, lostbits_result** result, const Find& find) {
     require(asked.scene, "scene");

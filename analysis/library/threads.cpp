@@ -1,4 +1,4 @@
-// The threads that calls share.
+// Ends the threads that calls share.
 #include <tbb/global_control.h>
 
 #include "analysis/library/handles.hpp"
@@ -10,7 +10,8 @@ extern "C" int lostbits_end_threads(lostbits_error* error) {
     return guarded(error, [] {
         tbb::task_scheduler_handle threads{tbb::attach{}};
         if (!tbb::finalize(threads, std::nothrow))
-            throw EnvironmentError("the threads are in use: by a call, by a thread that made calls, or by others");
+            throw EnvironmentError(
+                "the threads are in use by a call, by a thread that has made calls, or by others; end those first");
         return Exit::done;
     });
 }

@@ -56,7 +56,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     part.json = page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
         const std::string alt =
-            judged ? fmt::format("{}, judged by the {} solid", file.title, intersect::convention_name(judged))
+            judged ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(judged))
                    : file.title;
         part.pictures.push_back(
             page::picture(alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
@@ -64,7 +64,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     return part;
 }
 
-/// Of every format, small: they stand where the plots cannot.
+/// Small pictures of the sweep, for each format. The page shows them where it cannot draw its plots.
 std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{820, 470};
     std::vector<page::Picture> pictures;
@@ -189,7 +189,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     request.rows = {{rows.front(), offset::HitPoint::computed}};
-    request.quiet = false;  // no table of the page has it
+    request.quiet = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {

@@ -1,4 +1,4 @@
-// The parts of a report that answer a wish: a choice, and a mended form.
+// The parts of a report that answer a requirement: a choice, and a repaired form.
 #include <charconv>
 
 #include <fmt/format.h>
@@ -17,10 +17,11 @@ namespace {
 
 namespace page = output::page;
 
-/// `REST:BITS` or `REST:BITS:AT`, as the value of an option.
+/// Parses the value `REST:BITS` or `REST:BITS:AT` of an option.
 class WishWord {
 public:
-    /// `usual` holds where the word has no AT. InputError where there are no bits, or nothing in front of them.
+    /// `usual` is the requirement of a word without AT. Throws InputError if the bits, or the part before them, are
+    /// missing.
     WishWord(std::string option, std::string what, std::string example, const std::string& word,
              measure::choice::Wish usual)
         : wish(usual),
@@ -39,12 +40,12 @@ public:
             bits = last();
         }
         if (rest.empty())
-            refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
+            refuse(word.find(':') == std::string::npos ? "the bits are missing" : "the scene or the bits are missing");
         const auto [end, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
         if (trouble != std::errc{} || end != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
             refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
     }
-    /// Takes what stands behind the last colon.
+    /// Removes the part after the last colon and returns it.
     std::string last() {
         const auto colon = rest.rfind(':');
         std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
@@ -53,8 +54,8 @@ public:
     }
     [[noreturn]] void refuse(const std::string& why) const {
         throw InputError(
-            fmt::format("{} {}: {}; write {} and the correct bits that are wanted, {}:18, or with the share "
-                        "of the hits that keep them, {}:18:max",
+            fmt::format("{} {}: {}; write {} and the number of correct bits, as in {}:18, or also the share of the "
+                        "hits that must keep them, as in {}:18:max",
                         option_, word_, why, what_, example_, example_));
     }
 
@@ -78,16 +79,16 @@ ChoiceWork choice_of(const std::string& word, const std::string& size, const sel
 MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop) {
     WishWord said("--mend", "a scene, a form", "near-benign:sphere.half_b", word, {.quantile = 1});
     const std::string form = said.last();
-    if (said.rest.empty()) said.refuse("names no scene, or no form");
+    if (said.rest.empty()) said.refuse("the scene or the form is missing");
     auto scene = selection::load_one_scene({{said.rest}, size, "", {}, stop}, data);
     auto all = selection::cross(selection::select_forms({form}), selection::select_formats({"f32"}));
     const auto rows = selection::rows_meeting(
         {all, {form}, true}, scene.id, [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); });
-    if (rows.size() != 1) said.refuse(form + " is not one form for the solids of that scene");
+    if (rows.size() != 1) said.refuse(form + " is not one form for the primitives of that scene");
     selection::refuse_makers({rows.front().form}, "mend");
     selection::refuse_made_rays({scene}, "mend");
     MendWork work{std::move(scene), said.wish, rows.front()};
-    // A form that filters is refused here, before anything is measured.
+    // Refuses a form that filters here, before anything is measured.
     static_cast<void>(measure::mend::recorded({.scene = &work.scene, .row = work.row}));
     return work;
 }

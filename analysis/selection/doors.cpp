@@ -35,14 +35,15 @@ using output::blame::shell_word;
 
 namespace {
 
-/// The forms of a library, from a process of this program that holds it.
+/// The forms of a library that is loaded in another process of this program.
 std::vector<ForeignForm> isolated(const std::filesystem::path& library, PipeTerms terms) {
     terms.who = library.string() + " in a process of its own";
     terms.ours = true;
     return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
 }
 
-/// The forms of a shader, from a process of this program that holds the driver: a compiler, its threads and its faults.
+/// The forms of a shader. Another process of this program holds the driver, with its compiler, its threads and its
+/// faults.
 std::vector<ForeignForm> served(const std::string& shader, const std::string& device, PipeTerms terms) {
     terms.who = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
     terms.ours = true;
@@ -51,7 +52,7 @@ std::vector<ForeignForm> served(const std::string& shader, const std::string& de
         terms);
 }
 
-/// The same on each device that is named; of `all` on those that there are.
+/// The forms of a shader on each named device; for `all`, on each available one.
 std::vector<ForeignForm> served_by_each(const std::string& shader, const DoorWords& words, const PipeTerms& terms) {
     const bool all = std::ranges::find(words.devices, "all") != words.devices.end();
     std::vector<ForeignForm> forms;
@@ -68,19 +69,20 @@ std::vector<ForeignForm> served_by_each(const std::string& shader, const DoorWor
     return forms;
 }
 
-/// Whether a library exports formulas, without running anything of it: the name stands in its table of names.
+/// True if a library exports formulas: it has `lostbits_formulas` in its table of names. Runs no code of the library.
 bool has_formulas(const std::filesystem::path& library) {
     std::ifstream file(library, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(file)), {});
     return bytes.find(std::string_view("\0lostbits_formulas\0", 19)) != std::string::npos;
 }
 
-/// A formula in another process would lose its tape and its formats, so those stay here unless that is asked for.
+/// True if the library runs in its own process. In another process a formula would lose its tape and its formats, so
+/// libraries with formulas stay here unless --isolate is given.
 bool is_isolated(const std::filesystem::path& library, const DoorWords& words) {
     return words.isolate || (words.isolate_by_default && !has_formulas(library));
 }
 
-/// Of the forms that are not in the catalogue; `harmful`: of those alone that are not isolated.
+/// The names of the forms that are not in the catalogue; with `harmful`, of those that are not isolated.
 std::vector<std::string> names_added(bool harmful = false) {
     std::vector<std::string> names;
     for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
@@ -88,7 +90,7 @@ std::vector<std::string> names_added(bool harmful = false) {
     return names;
 }
 
-/// `FORM`, and of `FORM+FORM`, `FORM@WAY` and `FORM^BOX~WAY` each of its parts.
+/// The item itself and, for `FORM+FORM`, `FORM@WAY` and `FORM^BOX~WAY`, each of its parts.
 std::vector<std::string> parts_named(const std::string& item) {
     std::vector<std::string> names{item};
     for (std::size_t begin = 0, end = 0; begin <= item.size(); begin = end + 1) {
@@ -107,8 +109,8 @@ std::string this_program(const std::string& words) {
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
     if (unknown)
         throw EnvironmentError(
-            "this system does not say where the program lies (/proc is missing), so it cannot start "
-            "itself again in a process of its own");
+            "the path of this program is unknown (/proc is missing), so it cannot start itself again in another "
+            "process; mount /proc");
     return fmt::format("exec {} {}", shell_word(program.string()), words);
 }
 
@@ -120,7 +122,7 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words) {
         else if (std::ranges::find(intersect::device::device_kinds, word) != std::end(intersect::device::device_kinds))
             add(word);
         else
-            throw InputError(fmt::format("--device {}: there is {} and all", word,
+            throw InputError(fmt::format("--device {}: is not one of {}, all", word,
                                          fmt::join(intersect::device::device_kinds, ", ")));
     }
     if (words.empty()) kinds.emplace_back();
@@ -146,13 +148,13 @@ void note_where(const DoorWords& words, bool times) {
     const std::string here = loaded_here(words);
     if (!here.empty())
         fmt::print(stderr,
-                   "lostbits: {}: holds formulas, which run in this program itself: if they end it, the exit status is "
-                   "3; --isolate puts them in a process of their own, where they answer in f32 and f64 alone\n",
+                   "lostbits: {}: has formulas, so it runs in this process; if it ends the process, the exit status is "
+                   "3. --isolate runs it in its own process, in f32 and f64 only\n",
                    here);
     if (times && !words.plugins.empty())
         fmt::print(stderr,
-                   "lostbits: CI is set, so libraries run in processes of their own, and their times include the way "
-                   "there and back; --in-process leaves that out\n");
+                   "lostbits: CI is set, so each library runs in its own process, and its times include the way there "
+                   "and back; --in-process avoids that\n");
 }
 
 Behind open_each(const DoorWords& words, int threads) {
@@ -169,7 +171,7 @@ Behind open_each(const DoorWords& words, int threads) {
     Behind found;
     const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
     std::string again;
-    std::map<std::string, std::string> library_of;  // of each formula
+    std::map<std::string, std::string> library_of;  // by name of the formula
     for (const std::string& named : words.plugins) {
         const auto library = intersect::doors::find_plugin(named);
         scene::toml::note_read(library);
@@ -209,7 +211,7 @@ Behind open_each(const DoorWords& words, int threads) {
 
 void open_doors(const DoorWords& words, int threads) {
     Behind found = open_each(words, threads);
-    // A library with formulas answers through the C interface too: for --isolate and `plugin check`.
+    // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
     std::erase_if(found.forms, [&found](const ForeignForm& form) {
         return std::ranges::any_of(found.formulas,
                                    [&form](const auto& f) { return f.row.info->name == form.contract.name; });
@@ -219,15 +221,15 @@ void open_doors(const DoorWords& words, int threads) {
 }
 
 void note_states() {
-    std::map<std::string, std::string> states;  // by who
+    std::map<std::string, std::string> states;  // by library
     for (const auto& row : intersect::table::intersectors()) {
         for (const ForeignForm* const form : intersect::doors::behind(row))
             if (!form->contract.state.empty()) states.try_emplace(form->from, form->contract.state);
     }
     for (const auto& [who, words] : states)
         fmt::print(stderr,
-                   "lostbits: {}: changes, when it is loaded, how the processor computes ({}), as linking with -Ofast "
-                   "does; it is measured so, as its users run it, and nothing else is\n",
+                   "lostbits: {}: changes how the processor computes ({}) when it is loaded, as linking with -Ofast "
+                   "does; only this library is measured in that state, as its users run it\n",
                    who, words);
 }
 
@@ -245,7 +247,7 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
         if (std::ranges::find(words, name) != words.end()) return true;
         return std::ranges::find(added, name) != added.end() && (words.empty() || matches_any(words, name));
     };
-    std::map<std::string, std::vector<std::string_view>> left_out;  // by what they are for
+    std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_asked(std::string(form.info->name))) continue;
         const auto asks_it = [&form](const auto& row) {
@@ -257,13 +259,13 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
             .push_back(form.info->name);
     }
     for (const auto& [what, names] : left_out)
-        fmt::print(stderr, "lostbits: left out: {} {} {}, and nothing else that is selected is for that\n",
+        fmt::print(stderr, "lostbits: left out: {} {} {}; nothing in the selection has that shape and format\n",
                    fmt::join(names, ", "), names.size() == 1 ? "is" : "are", what);
 }
 
 void note_unasked(const shell::Command& command) {
     const shell::Option forms = command.option("--intersector");
-    const shell::Option beside = command.option("--beside");  // without which isolated ones are asked
+    const shell::Option beside = command.option("--beside");  // a command without it uses isolated forms too
     const std::vector<std::string> names = names_added(static_cast<bool>(beside));
     if (names.empty() || !forms || forms.words().empty()) return;
     std::vector<std::string> words;
@@ -284,11 +286,11 @@ DeviceTold ask_device(std::string_view kind, const DoorWords& words) {
                                         {.who = told.kind, .duty = "", .seconds = words.seconds, .stop = words.stop});
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {
             const std::size_t equals = line.find('=');
-            if (equals == std::string::npos) child.fail("says " + line + " where a line NAME=FACT is expected");
+            if (equals == std::string::npos) child.fail("wrote " + line + " instead of a line NAME=FACT");
             if (line.starts_with("missing=")) told.lacks = line.substr(equals + 1);
             else told.facts.emplace_back(line.substr(0, equals), line.substr(equals + 1));
         }
-    } catch (const EnvironmentError& dead) {  // a driver that crashes or hangs while it is asked
+    } catch (const EnvironmentError& dead) {  // the driver crashed or hung
         told.lacks = dead.what();
     }
     return told;

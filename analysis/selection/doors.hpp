@@ -1,4 +1,4 @@
-// Intersectors from outside, as the command line names them.
+// External intersectors (libraries, pipes, shaders), as the command line names them.
 #pragma once
 
 #include <string>
@@ -14,74 +14,77 @@
 
 namespace lostbits::analysis::selection {
 
-/// Options of every command that takes forms.
+/// The options for external intersectors, which every command with forms takes.
 struct DoorWords {
-    std::vector<std::string> plugins;  ///< libraries, see `find_plugin`, perhaps with NAME= before them
-    std::vector<std::string> pipes;    ///< commands for the shell
-    std::vector<std::string> shaders;  ///< files of GLSL, see `read_shader`
-    std::vector<std::string> devices;  ///< that run them, of `device_kinds` or `all`; empty: the first that there is
-    bool isolate = false;              ///< libraries run in processes of their own, those of formulas too
-    bool in_process = false;           ///< none does
-    bool isolate_by_default = false;   ///< those without formulas do, see `decide_where`
-    double seconds = 30;               ///< that one batch may take
+    std::vector<std::string> plugins;         ///< libraries, see `find_plugin`, each with an optional NAME= before it
+    std::vector<std::string> pipes;           ///< commands for the shell
+    std::vector<std::string> shaders;         ///< files of GLSL, see `read_shader`
+    std::vector<std::string> devices;         ///< for the shaders: `device_kinds` or `all`; empty: the first available
+    bool isolate = false;                     ///< every library runs in its own process, even one with formulas
+    bool in_process = false;                  ///< no library runs in its own process
+    bool isolate_by_default = false;          ///< libraries without formulas run in their own, see `decide_where`
+    double seconds = 30;                      ///< time limit of one batch
     intersect::process::StopToken stop = {};  ///< ends the wait for an answer
-    /// Told the status where a fault of a library ends the program; from signal handlers, too.
+    /// Called with the exit status if a fault of a library ends the program; also from signal handlers.
     void (*ends_with)(int status) = nullptr;
 };
 
-/// What stands behind the doors: forms that answer, and those of them that are formulas.
+/// The forms of external intersectors, and their formulas. A form with a formula may be in both lists.
 struct Behind {
     std::vector<intersect::doors::ForeignForm> forms;
-    std::vector<intersect::doors::Formula> formulas;  ///< none of libraries in other processes
+    std::vector<intersect::doors::Formula> formulas;  ///< empty for libraries in other processes
 };
 
-/// Where neither --isolate nor --in-process says it: a process of their own for libraries of a gate, which is `check`,
-/// and every command where CI is set in the environment.
+/// Sets `isolate_by_default`. Without --isolate and --in-process, libraries are isolated if the command is a gate
+/// (which `check` is) or if CI is set in the environment.
 void decide_where(DoorWords& words, bool is_gate);
 
-/// Which libraries run in this program itself, in one text; empty where none does. InputError.
+/// The libraries that run in this process, as one text; empty if there are none. Throws InputError.
 std::string loaded_here(const DoorWords& words);
 
-/// Says on stderr which libraries run in the program although others are isolated, and that times are not the
-/// library's own where they are isolated by default and `times` are measured.
+/// Prints notes on stderr if libraries are isolated by default: which ones run in this process all the same and, if the
+/// command measures `times`, that the times of the others include the way to their process and back.
 void note_where(const DoorWords& words, bool times);
 
-/// A command for the shell that runs this program with these words. EnvironmentError.
+/// A shell command that runs this program with these words. Throws EnvironmentError.
 std::string this_program(const std::string& words);
 
-/// The devices that the words name, without repetition; empty: the first that there is. InputError.
+/// The devices that the words name, each once; one empty name (the first available device) without words. Throws
+/// InputError.
 std::vector<std::string> devices_of(const std::vector<std::string>& words);
 
-/// Loads and starts what is named; at most `threads` processes a command, 0 for one a core. Commands that are to be run
-/// later name the same again, see `output::blame::where_forms_are_from`. InputError, EnvironmentError.
+/// Loads the libraries and starts the processes that are named: at most `threads` processes per command, 0 for one per
+/// core. Advice with commands to run later names the same intersectors, see `output::blame::where_forms_are_from`.
+/// Throws InputError and EnvironmentError.
 Behind open_each(const DoorWords& words, int threads);
 
-/// The same, and adds the forms to the table. Before any row is asked for.
+/// Calls `open_each` and adds the forms to the table. Call it before any row of the table is used.
 void open_doors(const DoorWords& words, int threads);
 
-/// Says on stderr which libraries leave the processor another than they find it when they are loaded.
+/// Prints on stderr which libraries change the floating-point state of the processor when they are loaded.
 void note_states();
 
-/// The words of -i; where there are none, `defaults` and the names of all forms that were added.
+/// The words of -i; without any, `defaults` and the names of all external forms.
 std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
 
-/// Says on stderr where -i and --against, of a command that was parsed, name none of the forms that were added.
+/// Prints a note on stderr if -i and --against of the parsed command name none of the external forms.
 void note_unasked(const shell::Command& command);
 
-/// Says on stderr, unless `quiet`, which forms that `words` of -i name in full, or that were added and are asked for,
-/// are in none of the rows that are measured: their shape or their formats fit nothing.
+/// Prints on stderr, unless `quiet`, which wanted forms are in none of the measured rows because nothing has their
+/// shape or format. A form is wanted if a word of -i is its name, or if it is external and -i is not given or matches
+/// it.
 void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::evaluate::TestedForm>& rows,
                      bool quiet);
 
-/// A device as its process told it.
+/// The answers of a device about itself.
 struct DeviceTold {
     std::string kind;
     std::vector<std::pair<std::string, std::string>> facts;
-    std::string lacks;  ///< why it does not compute; empty where it does
+    std::string lacks;  ///< why the device cannot compute; empty if it can
 };
 
-/// Starts a driver, asks it how it rounds within the seconds of the words, and ends it. A driver that crashes or hangs
-/// is one that is not here.
+/// Starts a driver in a process, asks it how it rounds, within the seconds of the words, and ends it. A driver that
+/// crashes or hangs counts as missing.
 DeviceTold ask_device(std::string_view kind, const DoorWords& words);
 
 }  // namespace lostbits::analysis::selection

@@ -96,8 +96,8 @@ std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::fil
     const std::size_t beside = scene.solid_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (beside > most)
         throw InputError(
-            fmt::format("--scene {}: has {} primitives beside its meshes; every ray is asked about every one of them, "
-                        "and {} is the most; give each ray the primitive that it meets in columns of the file, or "
+            fmt::format("--scene {}: has {} primitives beside its meshes; every ray is tested with each of them, and "
+                        "at most {} are allowed; give each ray the primitive that it meets in columns of the file, or "
                         "write the scene as a mesh of triangles",
                         o.scene, beside, most));
     return scene;
@@ -106,7 +106,7 @@ std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::fil
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene) {
     const auto shapes = scene ? scene->shapes() : o.solids.shapes();
     if (scene && !o.solids.empty())
-        throw InputError("--scene has the solids of all rays, and so have " + solid_options(false, " and ") +
+        throw InputError("--scene gives the primitives of all rays, and so do " + solid_options(false, " and ") +
                          "; write one or the other");
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
@@ -147,8 +147,8 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>
     if (given.size() != 1 || given.front().placed)
         throw InputError(
             dump.name() +
-            ": each ray has the matrix that its solid stands under, m00 to m23, so that one solid is to be "
-            "given for all, without a matrix of its own; or write each ray's solid in columns too");
+            ": each ray has the matrix of its primitive, m00 to m23; give one primitive for all rays, without a "
+            "matrix of its own, or give the primitive of each ray in columns too");
     dump.put_under_matrices(given.front());
 }
 
@@ -156,8 +156,8 @@ intersect::Info contract_of(const RayFileWords& o, const scene::dump::Dump& dump
     for (const RayFileOption& option : ray_file_options())
         if (option.of_answers && option.is_given(o) && !dump.layout().has_answers())
             throw InputError(
-                fmt::format("{} {}: says what the answers of {} mean, and it has none (columns hit or t); "
-                            "leave {} out: forms are judged by their own words",
+                fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
+                            "are judged by their own contract",
                             option.name, o.*option.word, dump.name(), option.name));
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
@@ -177,7 +177,7 @@ std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layo
     const auto found = std::ranges::find(kept, o.by);
     if (found != kept.end()) return static_cast<std::size_t>(found - kept.begin());
     throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", o.by, o.file,
-                                 kept.empty() ? "all its columns are the ray's, its solid's or the answer's"
+                                 kept.empty() ? "all its columns belong to the ray, its primitive or the answer"
                                               : fmt::format("it has {}", fmt::join(kept, ", "))));
 }
 

@@ -1,4 +1,4 @@
-// What the words of a command line say of files of rays, and what `lostbits judge` asks beyond that.
+// The options of a command line for files of rays, and the further options of `lostbits judge`.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@
 
 namespace lostbits::analysis::selection {
 
-/// Which columns mean what, which solids the rays are aimed at, and what the answers are held to.
+/// The options for files of rays: the meaning of columns, the primitives of the rays, and the contract of the answers.
 struct RayFileWords {
     std::string container = "auto", columns, format;
-    std::string format_option = "--file-format";  ///< as it was offered
+    std::string format_option = "--file-format";  ///< name under which it was added
     std::uint64_t skip = 0;
     SolidWords solids;
     std::string scene, miss;
@@ -30,65 +30,65 @@ struct RayFileWords {
     intersect::process::StopToken stop = {};
 };
 
-/// An option of files of rays that is a word; one that was not given has the word of `RayFileWords()`.
+/// An option for files of rays whose value is a word. If it is not given, its word is that of `RayFileWords()`.
 struct RayFileOption {
     const char* name;
     std::string RayFileWords::*word;
     const char* help;
-    std::vector<std::string> known = {};  ///< which words it may be; empty: any
-    bool of_answers = false;              ///< it says what answers mean
+    std::vector<std::string> known = {};  ///< allowed words; empty: any
+    bool of_answers = false;              ///< it is about the meaning of answers
 
     [[nodiscard]] bool is_given(const RayFileWords& words) const { return words.*word != RayFileWords().*word; }
 };
 const std::vector<RayFileOption>& ray_file_options();
 
-/// The options for all of these, `format` under that name.
+/// Adds the options for all of these; the one for `format` gets the name `format_option`.
 void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option);
 
 struct JudgeWords : RayFileWords {
     std::string file;
     std::vector<std::string> forms, formats, metrics;
     std::string against, by, tolerance, unit;
-    double bits = -1;  ///< below 0: not asked
+    double bits = -1;  ///< below 0: not given
     std::string size;
     bool rows = false;
     std::size_t worst = 10;
     std::string out, shard, pictures = "sheets";
 };
 
-/// The one scene whose solids the rays are aimed at; nothing where none is named. InputError for several, and for one
-/// of too many solids.
+/// The scene whose primitives the rays are tested with; nothing if none is named. Throws InputError for several scenes,
+/// and for one with too many primitives.
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data);
 
-/// Of the first of the solids that are given once for all rays; nothing where none are.
+/// The shape of the first primitive that is given for all rays; nothing if there is none.
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene);
 
-/// These solids, numbers of the format; those of a scene as a map of it has them.
+/// The primitives that are given for all rays, with numbers in the format. Those of a scene are as in a map of it.
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format);
 
-/// The file, opened as the words say; `keep`: the user's own columns are wanted.
+/// Opens the file as the options say. `keep`: also keep the user's own columns.
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
                                              bool keep = false);
 
-/// The shapes of what the rays are aimed at, in columns or given once.
+/// The shapes of the primitives of the rays, from columns or given for all rays.
 Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Solid<double>>& given);
 
-/// Puts the solid that is given once for all rays under their matrices, of a file that has matrices and no solids.
-/// InputError where it is not one, or has a matrix.
+/// If the file has matrices but no primitives: places the primitive that is given for all rays by the matrix of each
+/// ray. Throws InputError if there is not exactly one primitive, or if it has a matrix already.
 void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>>& given);
 
-/// Some matrix: the operations of a form under one are the same under all.
+/// A matrix to stand for any: a form has the same operations for all matrices.
 inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
 
-/// The place of the column that rays are grouped by among those of the file's own; nothing where none is asked for.
+/// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
 std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layout& layout);
 
-/// Adds the metrics that count what falls short of `--bits` and `--tolerance`.
+/// Adds the metrics that count the rays that fail `--bits` or `--tolerance`.
 void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
               std::vector<const measure::metric::Metric*>& metrics);
 
-/// The contract of the answers. InputError for a word about answers where there are none.
+/// The contract of the answers. Throws InputError for an option about answers if the file has none.
 intersect::Info contract_of(const RayFileWords& o, const scene::dump::Dump& dump);
 
 }  // namespace lostbits::analysis::selection

@@ -110,7 +110,7 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,
-                       "lostbits: --set {}: changes nothing in {}, where no selected form marches; add -i 'sdf.*'\n",
+                       "lostbits: --set {}: changes nothing in {} because no selected form marches; add -i 'sdf.*'\n",
                        assignment, id);
     }
 }

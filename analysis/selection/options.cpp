@@ -33,7 +33,7 @@ bool of_result(const shell::Option& option) {
     });
 }
 
-/// ` -f f32 -f f64`, or ` --exr` of a flag.
+/// ` -f f32 -f f64`, or ` --exr` for a flag.
 std::string words_of(const shell::Option& option) {
     const std::string name =
         option.short_names().empty() ? "--" + option.long_names().front() : "-" + option.short_names().front();
@@ -43,7 +43,7 @@ std::string words_of(const shell::Option& option) {
     return text;
 }
 
-/// Of the options that were given.
+/// Adds the options and arguments that were given.
 void add_words(const shell::Command& command, Typed& words) {
     for (const shell::Option& option : command.options()) {
         if (option.words().empty() || !of_result(option)) continue;
@@ -152,10 +152,11 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
         first = m;
     }
     if (!first)
-        throw InputError(fmt::format("--range {}: what is drawn has one colour for each name, and no bar", text));
+        throw InputError(
+            fmt::format("--range {}: the drawn metrics have one colour for each name and no bar; leave it out", text));
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
-        throw InputError(fmt::format("--range {}: the bar of {} is logarithmic, so both ends are above 0, like 1:1000",
-                                     text, first->name));
+        throw InputError(fmt::format("--range {}: the bar of {} is logarithmic; write ends above 0, like 1:1000", text,
+                                     first->name));
     return output::map::BarRange{*lo, *hi};
 }
 

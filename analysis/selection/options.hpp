@@ -1,4 +1,4 @@
-// What was typed, names by globs, and the ends of a colour bar.
+// Options that commands share, the command as it was typed, names by patterns, and the ends of a colour bar.
 #pragma once
 
 #include <optional>
@@ -11,57 +11,58 @@
 
 namespace lostbits::analysis::selection {
 
-/// Whether a name is, or fits, one of the patterns (fnmatch).
+/// True if a name matches one of the patterns (fnmatch).
 bool matches_any(const std::vector<std::string>& patterns, const std::string& name);
 
-/// Options of the commands that ask forms about scenes.
+/// The options of the commands that test forms on scenes.
 struct SharedOptions {
     SceneChoice scenes = {};
     std::vector<std::string> forms = {}, formats = {};
     std::string pixels = "none", pictures = "sheets", out = {};
 };
-/// SCENE; `kinds` says which scenes, where that is not any.
+/// Adds SCENE; `kinds` says in the help which scenes it takes, if not all.
 void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds = "");
-/// -i, with what stands in its place in words.
+/// Adds -i; `usual` says in the help what holds without it.
 void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual = "all");
-/// -f, with the same.
+/// Adds -f; `usual` says in the help what holds without it.
 void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual);
-/// --pixels csv.
+/// Adds --pixels.
 void add_pixels(const shell::Command& command, SharedOptions& shared);
-/// --pictures all: what a contact sheet shows is drawn alone only where that is asked for.
+/// Adds --pictures. Only `--pictures all` also draws each picture of a contact sheet as its own file.
 void add_pictures(const shell::Command& command, std::string& pictures);
-/// -o, which must be given.
+/// Adds -o, which must be given.
 void add_out(const shell::Command& command, std::string& out);
-/// --size, --variant and --set of a command that takes scenes; `example` is an assignment for the help.
+/// Adds --size, --variant and --set for a command that takes scenes; `example` is an assignment for the help.
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
 
-/// The command that was typed, as a shell reads it: the arguments, and the options in the order of their help. Without
-/// what changes no result: where it goes, how many threads, what is printed.
+/// The command that was typed, in words of a shell: the arguments, and the options in the order of the help. Options
+/// that change no result are left out: the folder, the number of threads, what is printed.
 struct Typed {
     std::string before;    ///< `lostbits map`
-    std::string subjects;  ///< ` two_step`, with the blank in front; empty where there are none
+    std::string subjects;  ///< ` two_step`, with the blank in front; empty if there are none
     std::string after;     ///< ` -f f32 --size 64x64`
 
     [[nodiscard]] std::string text() const { return before + subjects + after; }
-    /// Without the blank in front.
+    /// The subjects without the blank in front.
     [[nodiscard]] std::string all_subjects() const { return subjects.empty() ? "" : subjects.substr(1); }
-    /// The same for one of the subjects, in words of a shell.
+    /// The command for one of the subjects, in words of a shell.
     [[nodiscard]] std::string of(const std::string& subject) const {
         return before + (subject.empty() ? "" : " ") + subject + after;
     }
 };
 Typed typed(const shell::Command& program);
 
-/// Arguments that begin with `data/`, as those of the documents do, where nothing here is called so and in the data
-/// folder (`data` is `--data`) something is: replaced by that. `*`, `?` and `[…]` stand for characters, as in a shell.
+/// Finds arguments that begin with `data/`, as in the documentation, in the data folder (`data` is `--data`) if they do
+/// not exist here, and replaces them. `*`, `?` and `[…]` stand for characters, as in a shell.
 void find_in_data(const shell::Command& command, const std::string& data);
 
-/// `LO:HI`, in the unit of the metrics that are drawn; nothing where the text is empty. InputError for what is not a
-/// range, where the metrics have several units or no bar, and for an end that a logarithm cannot have.
+/// Parses `LO:HI`, in the unit of the drawn metrics; nothing for an empty text. Throws InputError for a text that is
+/// not a range, for metrics with different units or without a colour bar, and for an end of at most 0 on a logarithmic
+/// bar.
 std::optional<output::map::BarRange> parse_range(const std::string& text,
                                                  const std::vector<const measure::metric::Metric*>& drawn);
 
-/// The words of a command as `shell_word` wrote them.
+/// The words of a command that `shell_word` quoted.
 std::vector<std::string> words_in(const std::string& command);
 
 }  // namespace lostbits::analysis::selection

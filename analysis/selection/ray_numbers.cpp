@@ -27,7 +27,7 @@ std::vector<std::string> parts_of(const std::string& text) {
     return parts;
 }
 
-/// The number that a word of an option stands for, exactly; nothing where it is above every number there is.
+/// The exact number in a word of an option; nothing if it is above the largest binary64.
 std::optional<Real> number_of(const std::string& text, const std::string& option) {
     const auto read = scene::toml::parse_number(text);
     const auto* const fault = std::get_if<scene::toml::NumberFault>(&read);
@@ -79,7 +79,7 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
             const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - shape.precision), shape.emax);
             throw InputError(fmt::format(
                 "{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
-                "ray and what it is aimed at down",
+                "ray and the primitives down",
                 option, part, as ? as->name : "binary64", output::file::decimal(largest), output::file::hex(largest)));
         }
         numbers.push_back(as ? Real(rounded) : *exact);
@@ -178,14 +178,14 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
     const std::string_view own(rest, static_cast<std::size_t>(end - rest));
     if (rest == text.data() || !(x >= 0) || !std::isfinite(x) || (!own.empty() && !find_unit(own)))
         throw InputError(fmt::format(
-            "--tolerance {}: is not a length; write a number from 0, in the scene's own unit of length, such as 0.001, "
-            "or with --unit a length such as 1mm",
+            "--tolerance {}: is not a length; write a number of at least 0 in the scene's unit of length, such as "
+            "0.001, or with --unit a length such as 1mm",
             text));
     if (own.empty()) return x;
     if (scenes == nullptr)
         throw InputError(fmt::format(
-            "--tolerance {}: scenes and files of rays do not say what their unit of length is; write the number of "
-            "those units alone, or say the unit, as in --unit m",
+            "--tolerance {}: scenes and files of rays do not say what their unit of length is; write a number without "
+            "a unit, or name the unit of the scene, as in --unit m",
             text));
     return x * find_unit(own)->micrometres / scenes->micrometres;
 }

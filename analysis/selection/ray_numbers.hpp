@@ -1,4 +1,4 @@
-// The numbers of a ray, of a solid and of a pixel, and lengths, as they stand on the command line.
+// Reads rays, primitives, pixels and lengths from the command line.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@
 
 namespace lostbits::analysis::selection {
 
-/// What an option holds: so many numbers.
+/// An option that takes `count` numbers; `what` completes the message "is not …".
 struct WantedNumbers {
     const char *option, *what;
     std::size_t count;
-    bool special = false;  ///< nan and inf are numbers too
+    bool special = false;  ///< nan and inf are allowed
 };
 
-/// What `--sphere`, `--box` and the options of other shapes were given, an option a shape.
+/// The values of `--sphere`, `--box` and so on, one option per shape.
 class SolidWords {
 public:
     [[nodiscard]] std::vector<std::string>& of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
@@ -32,10 +32,10 @@ public:
     }
     /// Declares the options.
     void add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help);
-    /// The shapes that are given, in the order of the list.
+    /// The shapes that are given, in the order of `shape_rows`.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool empty() const { return shapes().empty(); }
-    /// The solids as they were given, one after the other: their numbers go from 0 in this order.
+    /// The primitives in the order in which they were given, which is the order of their indices.
     [[nodiscard]] std::vector<std::pair<Shape, std::string>> given() const;
 
 private:
@@ -43,29 +43,30 @@ private:
     std::function<std::vector<std::size_t>()> order_ = [] { return std::vector<std::size_t>(); };
 };
 
-/// `--sphere CX,CY,CZ,R or --box LOX,…` where `numbers`, and `--sphere or --box` without.
+/// `--sphere CX,CY,CZ,R or --box LOX,…` with `numbers`, `--sphere or --box` without.
 std::string solid_options(bool numbers, const char* between = " or ");
 
-/// The numbers between the commas of a ray or a solid, exactly, or rounded to `as`. InputError, which names the option,
-/// for what is not a number or is out of the range of `as` (of binary64 without it), and for another count.
+/// The numbers between the commas of a ray or a primitive, exact or, with `as`, rounded to that format. Throws
+/// InputError, which names the option, for a part that is not a number or is out of the range of `as` (without it, of
+/// binary64), and for a wrong count.
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as);
 
 /// Rounded once to binary64; NaN and infinities stay.
 double stored_number(const Real& x);
 
-/// A solid by its numbers, `CX,CY,CZ,R`, perhaps with `@` and the twelve of a matrix, row by row, or `@/` and those of
-/// a stored inverse; all as `numbers_of` reads them. InputError, which names the option of the shape.
+/// A primitive from its numbers, `CX,CY,CZ,R`. After them may stand `@` and the twelve numbers of a matrix, row by row,
+/// or `@/` and those of a stored inverse. All are read by `numbers_of`. Throws InputError, which names the option of
+/// the shape.
 Solid<double> solid_in_words(Shape shape, const std::string& words, const std::optional<Format>& as);
 
-/// `WxH` in pixels. InputError otherwise.
+/// Parses `WxH`, in pixels. Throws InputError for other texts.
 std::pair<int, int> parse_size(const std::string& text);
 
-/// `17,42`: the column and the row. InputError for what is not a pixel.
+/// Parses `17,42`, the column and the row of a pixel. Throws InputError for other texts.
 std::pair<int, int> pixel_named(const std::string& text);
 
-/// `0.001`: so many of the scene's own units of length. `1mm` where `unit` says what that unit
-/// is: m, km, cm, mm, um, in or ft. InputError for anything else; of a length with a unit where none is declared it
-/// says that scenes do not tell theirs.
+/// Parses a length, in the scene's unit of length: `0.001`, or `1mm` if `unit` names the scene's unit (m, km, cm, mm,
+/// um, in or ft). Throws InputError for other texts, and for a length with a unit if the scene's unit is not given.
 double tolerance_in_units(const std::string& text, const std::string& unit);
 
 }  // namespace lostbits::analysis::selection

@@ -44,7 +44,8 @@ Ray<double> stored(const Ray<Real>& ray) {
     return {of(ray.origin), of(ray.direction)};
 }
 
-/// With solids of its own a ray may be none at all, as in a file of cases: what a form makes of that is measured too.
+/// Parses --ray. With primitives given as options, the numbers need not be a proper ray (NaN, a zero direction), as in
+/// a file of cases: the answer of a form to such a ray is explained too.
 Ray<Real> given_ray(const RayWords& words) {
     const bool own = words.subject.empty();
     const auto x = numbers_of(
@@ -57,7 +58,8 @@ Ray<Real> given_ray(const RayWords& words) {
     return ray;
 }
 
-/// The row as these solids are asked about it. InputError where the form is not made for them.
+/// The row for these primitives; the form gets the usual transform if they are placed by matrices. Throws InputError if
+/// the form does not take them.
 template <class Meets>
 TestedForm row_for(const TestedForm& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
@@ -69,22 +71,22 @@ TestedForm row_for(const TestedForm& row, const std::string& where, const Meets&
         return placed;
     }
     if (row.form->shapes().are_placed() && meets(row.form->shapes().placed(false)))
-        throw InputError(
-            fmt::format("-i {}: {} has no solid under a matrix, and so no space that an @ leads to; leave "
-                        "it out",
-                        row.form->info->name, where));
+        throw InputError(fmt::format(
+            "-i {}: {} has no primitive that is placed by a matrix, so there is no transform; leave out the "
+            "@ and what follows it",
+            row.form->info->name, where));
     if (is_solid(shape) && several_shapes(meets)) {
         std::vector<TestedForm> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
         throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, words_to_meet(parts, meets)));
     }
-    const std::string lacks = is_solid(shape)
-                                  ? fmt::format("no solids for it: it is a form for {}", plurals(row.form->shapes()))
-                                  : "no [march] table, which the forms of sdf.* need";
+    const std::string lacks =
+        is_solid(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(row.form->shapes()))
+                        : "no [march] table, which the forms of sdf.* need";
     throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }
 
-/// The scene of that name: one alone.
+/// Loads the scene. Throws InputError if its file has variants and none is named.
 Scene load_one(const RayWords& words, const std::filesystem::path& data) {
     const scene::file::SceneName name = scene::file::find_scene(words.subject, data);
     scene::file::LoadOptions options{.variant = name.variant, .stop = words.stop};
@@ -92,7 +94,8 @@ Scene load_one(const RayWords& words, const std::filesystem::path& data) {
     if (!words.size.empty()) options.size = parse_size(words.size);
     for (const auto& s : words.set) options.overrides.push_back(scene::toml::parse_override(s));
     auto scenes = scene::file::load_scene(name.path, options);
-    if (scenes.size() != 1) throw InputError(words.subject + ": has variants; name one, such as " + scenes.front().id);
+    if (scenes.size() != 1)
+        throw InputError(words.subject + ": has several variants; name one, such as " + scenes.front().id);
     return std::move(scenes.front());
 }
 
@@ -105,8 +108,8 @@ AskedRay of_scene(const RayWords& words, const TestedForm& given, const std::fil
     const auto* const maker = scene::rays::maker_of(*given.form);
     if (maker && !words.ray.empty())
         throw InputError(
-            fmt::format("-i {}: --ray names a ray, and no camera makes it; name a --pixel, or leave out what "
-                        "stands behind the @",
+            fmt::format("-i {}: the part after the @ is a camera's ray generator, but --ray is not made by a camera; "
+                        "give --pixel instead, or leave out that part",
                         given.form->info->name));
     Scene loaded = load_one(words, data);
     const auto scene = std::make_shared<const Scene>(maker ? with_rays(std::move(loaded), *maker) : std::move(loaded));
@@ -123,7 +126,7 @@ AskedRay of_scene(const RayWords& words, const TestedForm& given, const std::fil
             words.ray.empty() ? std::optional(pixel_named(words.pixel)) : std::nullopt};
 }
 
-/// A case by its name, and the ray after the last colon of what is not itself a name.
+/// A case, and a ray of it: NAME or NAME:K. A text that is itself the name of a case names no ray.
 struct NamedRay {
     std::size_t number;
     std::optional<int> ray;
@@ -141,26 +144,26 @@ NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) 
     const bool counts = !digits.empty() && digits.size() < 8 &&
                         std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
     if (const std::size_t found = place(name); counts && found < names.size()) return {found, std::stoi(digits)};
-    throw InputError(fmt::format("--case {}: no case of that name in {}; {}", text, file.id,
+    throw InputError(fmt::format("--case {}: {} has no case of that name; {}", text, file.id,
                                  scene::toml::did_you_mean(counts ? name : text, names)));
 }
 
-/// By each form's own word where a file of cases asks for that at all.
+/// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
 std::optional<intersect::Touching> judged_of(const RayWords& words, const scene::sweep::CaseFile& file) {
     if (!words.convention.empty()) return scene::sweep::convention_named(words.convention);
     const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
     return own ? std::nullopt : file.conventions[0];
 }
 
-/// Of a sweep the worst of all rays. What changes a sweep changes it here as `lostbits sweep` does.
+/// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
 AskedRay worst_of_sweep(const RayWords& words, TestedForm row, const std::filesystem::path& path,
                         const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
     for (const auto& [given, option, why] :
-         {std::tuple{&words.pixel, "--pixel", "names one ray, and --worst finds it among all"},
-          {&words.ray, "--ray", "names one ray, and --worst finds it among all"},
-          {&words.variant, "--variant", "is for a scene, and a sweep names its own"}}) {
+         {std::tuple{&words.pixel, "--pixel", "names one ray, but --worst searches all of them"},
+          {&words.ray, "--ray", "names one ray, but --worst searches all of them"},
+          {&words.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
         if (!given->empty()) throw InputError(fmt::format("{} {}: {}; leave it out", option, *given, why));
     }
     const SweepWords changes{words.size, words.steps, words.set};
@@ -173,8 +176,8 @@ AskedRay worst_of_sweep(const RayWords& words, TestedForm row, const std::filesy
     }
     if (kind != SweepKind::axes)
         throw InputError("--worst: " + words.subject +
-                         " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
-                         "its tables have the command that explains the worst ray");
+                         " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
+                         "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), words.stop);
     row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
     row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
@@ -186,8 +189,8 @@ AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::p
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
             words.subject +
-            ": has no [[case]] tables, and --case names one of those; the rays of its "
-            "results are in the column worst_explain of samples.csv, and --worst explains the worst of them");
+            ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
+            "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
     row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
     const auto [number, asked] = named_ray(file, words.named_case);
@@ -207,7 +210,7 @@ AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::p
     return found;
 }
 
-/// The constants that `--set march.…` gives, the defaults of a scene otherwise; numbers as given.
+/// The constants of a march: those of `--set march.…`, else the defaults of a scene. Numbers are rounded to binary64.
 intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) {
     scene::toml::Node root, table;
     root.kind = table.kind = scene::toml::Node::Kind::table;
@@ -215,22 +218,21 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     for (const std::string& s : set) {
         const scene::toml::Override change = scene::toml::parse_override(s);
         if (!change.path.starts_with("march."))
-            throw InputError("--set " + s + ": there is no scene to change; without one, only march.KEY can be set");
+            throw InputError("--set " + s + ": there is no scene to change; without a scene only march.KEY can be set");
         scene::toml::apply_override(root, change);
     }
     scene::toml::TableReader file(root);
     return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
 }
 
-/// InputError for a range of a ray that holds no t, as in `[rays]` of a scene.
+/// Throws InputError if the range of a ray contains no t, as for `[rays]` of a scene.
 void require_range(const RayWords& words, const Range<double>& range) {
     if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
         throw InputError("--tmin " + words.tmin +
-                         ": a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or leave "
-                         "--tmin out for 0");
+                         ": is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
     if (std::isnan(range.tmax))
         throw InputError("--tmax " + words.tmax +
-                         ": is not a t; write where the ray ends, or leave --tmax out for a ray without end");
+                         ": is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
     if (range.holds_any()) return;
     const std::string options = (words.tmin.empty() ? "" : "--tmin " + words.tmin + " ") + "--tmax " + words.tmax +
                                 (words.open_ends.empty() ? "" : " --open-ends " + words.open_ends);
@@ -249,7 +251,7 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
                                : row_for(given, "the ray", [of = shapes_of(solids).placed(placed)](Shapes forms) {
                                      return (forms == Shape::sdf && !of.are_placed()) || forms == of;
                                  });
-    if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
+    if (words.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));
     one.solids = std::move(solids);
@@ -257,23 +259,23 @@ AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
         if (!text.empty())
             to.push_back(stored_number(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
     };
-    put_end(words.tmin, "--tmin", "where a range begins; write one number", one.rays.tmin);
-    put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);
+    put_end(words.tmin, "--tmin", "a start of a range; write one number", one.rays.tmin);
+    put_end(words.tmax, "--tmax", "an end of a range; write one number", one.rays.tmax);
     one.rays.open = open_ends_named(words.open_ends);
     require_range(words, one.rays.range(0));
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one)), row.form};
 }
 
-/// InputError for words that do not go together.
+/// Throws InputError for options that do not go together.
 void check(const RayWords& words) {
     const bool own = !words.solids.empty(), a_case = !words.named_case.empty(), a_scene = !own && !a_case;
     if (own && !words.subject.empty())
-        throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave " +
+        throw InputError(words.subject + ": a scene has its own primitives; leave it out, or leave " +
                          solid_options(false, " and ") + " out");
     if (!own && words.subject.empty())
-        throw InputError("explain: name a scene, a file of cases with --case, or solids: " + solid_options(true));
-    const char* const own_solids = "a ray with solids of its own (of a scene: --set rays.tmin=VALUE)";
+        throw InputError("explain: name a scene, a file of cases with --case, or primitives: " + solid_options(true));
+    const char* const own_solids = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Row {
         const char* option;
         bool given, fits;
@@ -284,15 +286,16 @@ void check(const RayWords& words) {
         {"--tmin", !words.tmin.empty(), own, own_solids},
         {"--tmax", !words.tmax.empty(), own, own_solids},
         {"--open-ends", !words.open_ends.empty(), own, own_solids},
-        {"--size", !words.size.empty(), words.ray.empty() || own, "--pixel (a ray of your own belongs to no picture)"},
-        {"--worst", words.worst, a_scene, "a scene or a sweep, to look among all of its rays"},
+        {"--size", !words.size.empty(), words.ray.empty() || own, "--pixel (a ray of --ray belongs to no picture)"},
+        {"--worst", words.worst, a_scene, "a scene or a sweep, whose rays it searches"},
         {"--pixel", !words.pixel.empty(), a_scene, "a scene"},
         {"--size", !words.size.empty(), a_scene, "a scene"},
         {"--variant", !words.variant.empty(), a_scene, "a scene"},
         {"--case", a_case, !own, "a file of cases"},
-        {"--ray", !words.ray.empty(), own || a_scene, "a scene or solids of its own: a case has its rays"},
+        {"--ray", !words.ray.empty(), own || a_scene,
+         "a scene, or primitives given as options (a case has its own rays)"},
         {"--steps", !words.steps.empty(), a_scene, "a sweep and --worst"},
-        {"--set", !words.set.empty(), own || a_scene, "a scene, or a ray with solids of its own"}};
+        {"--set", !words.set.empty(), own || a_scene, "a scene, or primitives given as options"}};
     for (const Row& row : rows)
         if (row.given && !row.fits)
             throw InputError(fmt::format("{} needs {}; add it, or leave {} out", row.option, row.needs, row.option));
@@ -309,7 +312,7 @@ std::optional<std::filesystem::path> sweep_named(const std::string& subject, con
     try {
         return scene::sweep::find_sweep(subject, data);
     } catch (const InputError&) {
-        return {};  // what it says of scenes is said where that is looked for
+        return {};  // the search for a scene reports the error
     }
 }
 
@@ -329,8 +332,7 @@ AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::files
     judged.judged = scene::sweep::convention_named(words.convention);
     if (!words.steps.empty())
         throw InputError("--steps " + words.steps +
-                         ": is of a sweep whose worst ray is asked for; add --worst, or leave "
-                         "--steps out");
+                         ": is for the worst ray of a sweep; add --worst, or leave --steps out");
     AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, judged, data);
     found.ray.judge_by(judged.judged);
     return found;

@@ -1,5 +1,5 @@
-// Which ray `lostbits explain` is asked about: of a scene, of a file of cases, or with solids of its own; and the ray
-// on which a form does worst: a wrong decision, or else the largest error.
+// Finds the ray for `lostbits explain`: of a scene, of a file of cases, or with primitives given as options. Also finds
+// the worst ray of a form: a wrong decision or, if there is none, the largest error.
 #pragma once
 
 #include <filesystem>
@@ -17,45 +17,45 @@
 
 namespace lostbits::analysis::selection {
 
-/// The words of the command line that name a ray and what it is aimed at.
+/// The options of the command line that name a ray and its primitives.
 struct RayWords {
-    std::string subject;               ///< a scene or a file of cases; empty where the ray has its own solids
-    std::string pixel, size, variant;  ///< of a scene; a size also of the scene of a sweep
+    std::string subject;               ///< a scene, a sweep or a file of cases; empty if `solids` has the primitives
+    std::string pixel, size, variant;  ///< of a scene; the size also for the scene of a sweep
     std::string steps;                 ///< of a sweep
-    bool worst = false;                ///< of all pixels of a scene, or of all rays of a sweep
-    std::string named_case;            ///< NAME or NAME:K, of a file of cases
-    std::string ray, as;               ///< six numbers, and the format they are rounded to first
+    bool worst = false;                ///< the worst of all pixels of a scene, or of all rays of a sweep
+    std::string named_case;            ///< NAME or NAME:K, in a file of cases
+    std::string ray, as;               ///< six numbers, and the format to which they are rounded first
     SolidWords solids;
     std::string tmin, tmax, open_ends, convention;
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};
 };
 
-/// A ray with what it is aimed at.
+/// A ray with its primitives.
 struct AskedRay {
-    std::shared_ptr<const scene::file::Scene> scene;  ///< null where the ray is of no scene; the ray may refer to it
+    std::shared_ptr<const scene::file::Scene> scene;  ///< null if the ray belongs to no scene; the ray may refer to it
     measure::answer::OneRay ray;
-    /// The one that is asked: that of the row, or it through the usual space where solids stand under matrices.
+    /// The form to run: that of the row or, for primitives placed by matrices, the same with the usual transform.
     const intersect::table::Intersector* form = nullptr;
-    std::string note = {};                          ///< a line on which ray it is, where the words leave that open
-    std::optional<std::pair<int, int>> pixel = {};  ///< of the scene, where the ray is that of one
+    std::string note = {};                          ///< says which ray it is, if the options leave that open
+    std::optional<std::pair<int, int>> pixel = {};  ///< pixel of the scene, if the ray is that of one
 };
 
-/// The ray that the words name, as the row's form is asked about it: a case has other numbers in each format.
-/// InputError for words that name none, and for solids that the form is not made for.
+/// Finds the ray that the options name, with the numbers that the form of the row gets: a case has other numbers in
+/// each format. Throws InputError if they name no ray, and for primitives that the form does not take.
 AskedRay find_ray(const RayWords& words, const measure::evaluate::TestedForm& row, const std::filesystem::path& data);
 
-/// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
+/// The file of a sweep if the subject is one: its path, or its name, unless a scene has that name.
 std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
 
-/// Ray K of a case, as its groups of so many rays have them one after another.
+/// Ray `k` of a case, counted through its groups of `rays` rays each.
 scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays, int k);
-/// The place among these of the worst: the ray that cases.csv names.
+/// The index of the worst of these rays, which is the ray that cases.csv names.
 int worst_of(std::vector<scene::rays::RayGroup> groups, int rays, const measure::evaluate::TestedForm& row,
              intersect::process::StopToken stop);
 
-/// Of all pixels of a scene, of all rays of all steps of a sweep, of all cases of a file: with a note on which it is.
-/// InputError where every decision is right and nothing is lost anywhere, as of a scene that no ray hits.
+/// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names
+/// it. Throws InputError if every decision is right and no hit has an error of t, as in a scene that no ray hits.
 AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const measure::evaluate::TestedForm& row,
                         intersect::process::StopToken stop);
 AskedRay worst_along(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& row,

@@ -29,19 +29,21 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         const scene::file::SceneName name = scene::file::find_scene(word, data);
         if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
             throw InputError(
-                fmt::format("--variant {}: {} names another; leave out one of them", choice.variant, word));
+                fmt::format("--variant {}: {} names another variant; leave out one of them", choice.variant, word));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.all_ahead && !scene.range.is_whole())
                 throw InputError(
-                    fmt::format("{}: the rays of {} have a range, and this command asks about all that "
-                                "lies ahead of them; leave the [rays] table out",
+                    fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
+                                "leave the [rays] table out",
                                 word, scene.id));
-            // A title tells of the file's own numbers: "… 100 away" would go on saying so.
+            // A title describes the numbers in the file: "… 100 away" would be wrong after --set.
             if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)
-                throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder",
-                                             word, scene.id));
+                throw InputError(
+                    fmt::format("{}: scene \"{}\" is given twice, and both would write to the same folder; "
+                                "leave one out",
+                                word, scene.id));
             for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
             scenes.push_back(std::move(scene));
         }
@@ -80,7 +82,7 @@ std::filesystem::path data_folder(const std::string& given) {
     if (fs::is_directory("data/scenes")) return "data";
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
-    // Unpacked beside the program, of the tree it was built in, installed.
+    // Beside an unpacked program, in the tree of a build, installed.
     for (const char* const place : {"data", "../data", "../share/lostbits/data"}) {
         const fs::path folder = (program / place).lexically_normal();
         if (!program.empty() && fs::is_directory(folder / "scenes", error)) return folder;
@@ -103,7 +105,7 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
     if (scenes.size() == 1) return std::move(scenes.front());
     std::string names;
     for (const auto& scene : scenes) names += (names.empty() ? "" : ", ") + scene.id;
-    throw InputError(fmt::format("{}: has {} variants, and this is measured of one; name one of {}",
+    throw InputError(fmt::format("{}: has {} variants, and this command takes one; name one of {}",
                                  choice.names.front(), scenes.size(), names));
 }
 
@@ -113,12 +115,13 @@ std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& sc
 
 std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
                                                     const Meets& meets) {
-    // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
+    // A march tests all primitives at once, and its time depends on its steps, so a time per ray and primitive says
     // nothing.
     const Meets can = [&meets](Shapes forms) { return are_solids(forms) && meets(forms); };
     auto timed = rows_meeting(chosen, id, can);
     if (!timed.empty()) return timed;
-    throw NothingSelected("none of the selected forms is for the solids of " + id + words_to_meet(chosen.rows, can));
+    throw NothingSelected("none of the selected forms is for the primitives of " + id +
+                          words_to_meet(chosen.rows, can));
 }
 
 bool are_files(const RayFileWords& o, const std::vector<std::string>& subjects) {
@@ -143,14 +146,13 @@ void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjec
             if (given) throw InputError(fmt::format("{}{}", name, why));
         }
     };
-    if (are_files(o, subjects))
-        return refuse(of_scenes, ": is about a scene, and these are files of rays; leave it out");
-    refuse(of_files, ": is about files of rays, and " + subjects.front() +
-                         " is taken for a scene; leave it out, or say --container csv, npy or raw");
+    if (are_files(o, subjects)) return refuse(of_scenes, ": is for a scene, and these are files of rays; leave it out");
+    refuse(of_files, ": is for files of rays, and " + subjects.front() +
+                         " is taken for a scene; leave it out, or add --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(
-            fmt::format("{}: {} is for one scene, or for files of rays, which end in .csv or "
-                        ".npy or are named by --container; name one",
+            fmt::format("{}: {} takes one scene, or files of rays, which end in .csv or .npy or have --container; name "
+                        "one scene",
                         subjects[1], command));
 }
 
@@ -159,9 +161,9 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     constexpr std::size_t most = 1024;
     if (aimed_at && aimed_at->solid_count() > most)
         throw InputError(fmt::format(
-            "--scene {}: has {} primitives; a sample of the rays is asked about every one of them again and "
-            "again, and {} is the most; judge takes meshes of any size, or give each ray the primitive "
-            "that it meets in columns of the file",
+            "--scene {}: has {} primitives; a sample of the rays is tested with each of them many times, and at most "
+            "{} are allowed; use judge, which takes meshes of any size, or give each ray the primitive that it meets "
+            "in columns of the file",
             o.scene, aimed_at->solid_count(), most));
     OpenedRays opened{.id = {}, .words = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> each;
@@ -183,11 +185,12 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
 
 void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option) {
     if (numbers == 0) return;
-    fmt::print(stderr,
-               "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
-               "{}\n",
-               files, scene::toml::counted(numbers, "number is not one", "numbers are not numbers"), format.name,
-               numbers == 1 ? "was" : "were", option);
+    fmt::print(
+        stderr,
+        "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
+        "with {}\n",
+        files, scene::toml::counted(numbers, "value is not", "values are not"), format.name,
+        numbers == 1 ? "was" : "were", option);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -1,4 +1,5 @@
-// The scenes of a command, the folders that they and what forms are compiled with lie in, and what can be timed on one.
+// The scenes and files of rays of a command, the folders of data and of compiler flags, and the rows that can be timed
+// on a scene.
 #pragma once
 
 #include <filesystem>
@@ -16,67 +17,68 @@
 
 namespace lostbits::analysis::selection {
 
-/// Scenes as the command line names them, and what it changes about them.
+/// The options of the command line that name scenes and change them.
 struct SceneChoice {
     std::vector<std::string> names;  ///< files, or ids of scenes or of variants
-    std::string size, variant;       ///< empty: the scene's own, all
+    std::string size, variant;       ///< empty: the scene's own size, all variants
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};
-    bool all_ahead = false;  ///< of a command that knows no range: a scene whose rays have one is refused
+    bool all_ahead = false;  ///< for a command without ranges: scenes whose rays have a range are refused
 };
 
-/// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
+/// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.
 std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
-/// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as
-/// a shell reads it.
+/// The name of a scene for later commands, quoted for a shell: its id if it is in the data folder, else its path and
+/// variant.
 std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
-/// The same of a sweep.
+/// The name of a sweep for later commands, quoted for a shell.
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
-/// The same as a claim names them: a variant of a file of one's own is `mine.toml.VARIANT`.
+/// The names of scenes and sweeps in claims. A variant of a file outside the data folder is `mine.toml.VARIANT`.
 std::string scene_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
 std::string sweep_in_claims(const std::filesystem::path& path, const std::filesystem::path& data);
 
-/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
-/// was built in, or installed.
+/// The data folder: `--data`, else $LOSTBITS_DATA, else ./data, else the one of the program (beside it, in the tree in
+/// which it was built, or installed).
 std::filesystem::path data_folder(const std::string& given);
 
-/// Where the flags lie that forms are compiled with, `form.flags` and one a register width: in the build that this
-/// program is of, or beside the installed one.
+/// The folder of the compiler flags for forms: `form.flags` and one file per register width. It is the build folder of
+/// this program, or the library folder of an installed one.
 std::filesystem::path form_flags_folder();
 
-/// Whether a format is computed by software here, so that its time says nothing.
+/// True if a format is computed by software here; its time then says nothing about hardware.
 [[nodiscard]] bool is_emulated(const Format& format);
 
-/// The one scene that is named. InputError where its file has several variants and none is named.
+/// Loads one scene. Throws InputError if its file has several variants and none is named.
 scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
 
-/// Those of the rows whose time on the scene means something: its solids' forms, or sets of them (`rows_meeting`), but
-/// no marches. NothingSelected where that leaves none.
+/// The rows that can be timed on the scene: forms for its primitives, or sets of them (`rows_meeting`), but no marches.
+/// Throws NothingSelected if there are none.
 std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
-/// The same of anything with solids, which is called `id`.
+/// The same for anything with primitives, which is called `id`.
 std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
                                                     const Meets& meets);
 
-/// Files of rays are told by their ending, or by a word that only they take.
+/// True if the subjects are files of rays: by their extension, or because --container or --columns is given.
 bool are_files(const RayFileWords& words, const std::vector<std::string>& subjects);
 
-/// InputError for an option of files beside a scene, for one of scenes, each with whether it was given, beside files,
-/// and for several scenes. `command` is what they are for: `a choice`.
+/// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
+/// `of_scenes` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
 void refuse_others(const RayFileWords& words, const std::vector<std::string>& subjects,
                    const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command);
 
-/// Files of rays as one, ready to be read.
+/// Several files of rays as one, ready to be read.
 struct OpenedRays {
-    std::string id, words;  ///< what results are called, and the files in words of a shell
+    std::string id, words;  ///< name of the results, and the files as words of a shell
     std::unique_ptr<scene::dump::Dump> dump;
     measure::choice::FileTerms terms;
-    Shapes shapes;  ///< of what the rays are aimed at
+    Shapes shapes;  ///< of the primitives of the rays
 };
 OpenedRays open_rays(const RayFileWords& words, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
-/// Says on stderr that so many numbers of files were rounded to the format; `option` names another.
+/// Prints on stderr that `numbers` numbers of files were rounded to the format. `option` is the option that names
+/// another format.
 void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option);
 
 }  // namespace lostbits::analysis::selection

@@ -21,7 +21,7 @@ namespace {
 
 bool is_of_pairs(const Metric* m) { return m->over == measure::metric::Over::pairs; }
 
-/// What other programs call them.
+/// Names that other programs have for the formats.
 constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
     {"float", "f32"},    {"single", "f32"},    {"float32", "f32"},  {"binary32", "f32"},
     {"double", "f64"},   {"float64", "f64"},   {"binary64", "f64"}, {"half", "fp16"},
@@ -52,7 +52,7 @@ std::vector<std::size_t> places_named(const std::vector<std::string>& words, con
         if (any) continue;
         const std::string whats = what == "strategy" ? "strategies" : what + "s";
         if (is_glob(word))
-            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` shows all", option,
+            throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` lists all", option,
                                               word, what, whats));
         throw InputError(
             fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
@@ -92,7 +92,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                 add_once(chosen, made.find(name));
             }
             if (!any)
-                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; they are {}", glob,
+                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", glob,
                                                   fmt::join(intersect::space::step_names, ", ")));
             continue;
         }
@@ -101,7 +101,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             continue;
         }
         if (glob == "step:")
-            throw InputError(fmt::format("--metric step:: name a step, such as step:origin; they are {}",
+            throw InputError(fmt::format("--metric step:: name a step, such as step:origin; the steps are {}",
                                          fmt::join(intersect::space::step_names, ", ")));
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
@@ -133,11 +133,11 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
     if (!any_against(rows) && !asked.empty()) {
         std::erase_if(asked, is_of_pairs);
         if (asked.empty())
-            throw InputError("--metric against, apart: name the form to compare the others with, by --against FORM");
+            throw InputError("--metric against, apart: need --against FORM, the form to compare the others with");
     }
     if (asked.empty()) return asked;
     const std::string first = fmt::format("--metric {}: ", asked.front()->name);
-    // Where no row has what some metrics are about these go, and there is nothing to draw where no other was asked for.
+    // Drops the metrics that `is_about` selects if no row `has` what they need. It is an error if none is left.
     const auto keep_where = [&](const auto& has, const auto& is_about, const std::string& lack) {
         if (std::ranges::any_of(rows, has)) return;
         std::erase_if(asked, is_about);
@@ -148,14 +148,14 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
         [](const TestedForm& row) { return row.form->way != nullptr; },
         [](const Metric* m) { return (m->needs & needs_way) != 0; },
         fmt::format(
-            "none of the selected forms in {} filters, that is, computes wider where it has to; add -i '*.filtered'",
+            "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             what));
     keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-               fmt::format("no solid of {} stands under a matrix, so that no step leads into its space", what));
+               fmt::format("no primitive of {} is placed by a matrix, so there are no steps of a transform", what));
     keep_where([](const TestedForm& row) { return intersect::hull::has_box(*row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
-               fmt::format("no form in {} is behind a box, as FORM^BOX is", what));
+               fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", what));
     keep_where([](const TestedForm& row) { return !is_solid(row.form->shape); },
                [](const Metric* m) { return m->over == Over::marches; },
                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
@@ -164,24 +164,24 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
 
 void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
     const auto found = select_forms({name}, "--against");
-    if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
+    if (found.size() != 1) throw InputError(fmt::format("--against {}: names several forms; name one form", name));
     const Intersector& other = *found.front();
     const auto fits = [&other](const TestedForm& row) {
-        // The forms of which sets are still to be made stay for those.
+        // Keep single forms that may become parts of a set.
         const bool part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
         return (part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
     };
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     if (rows.empty())
         throw InputError(fmt::format(
-            "--against {}: it is for a {}, in {}, and no selected form is for that; choose others with -i and -f", name,
+            "--against {}: is for a {}, in {}, and no selected form is for that; choose others with -i and -f", name,
             other.is_set() ? "scene of several shapes" : lostbits::name_of(other.shape), formats_of(other)));
     for (TestedForm& row : rows) {
         row.against = &other;
         if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))
             fmt::print(stderr,
-                       "lostbits: {} against {}: one tells no t, or takes unit directions and the other does not; only "
-                       "their decisions are compared\n",
+                       "lostbits: {} against {}: one returns no t, or only one takes unit directions; only their "
+                       "decisions are compared\n",
                        row.form->info->name, name);
     }
 }
@@ -260,8 +260,8 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
         for (const Format& format : formats) asked += (asked.empty() ? "" : ", ") + format.name;
         const Intersector& one = *forms.at(0);
         throw NothingSelected(
-            fmt::format("none of the selected forms exists in {}; {} exists in {}: say so with -f (`lostbits list "
-                        "forms` shows the formats of each)",
+            fmt::format("none of the selected forms exists in {}; {} exists in {}: choose that with -f (`lostbits list "
+                        "forms` lists the formats of each form)",
                         asked, one.info->name, formats_of(one)));
     }
     return rows;

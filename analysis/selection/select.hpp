@@ -1,5 +1,5 @@
-// From names and globs on the command line to forms, formats and metrics; and what is said on stderr of numbers that
-// the formats cannot hold.
+// Selects forms, formats and metrics by names and patterns of the command line. Prints notes on stderr about numbers
+// that the formats cannot represent.
 #pragma once
 
 #include <algorithm>
@@ -27,28 +27,29 @@
 
 namespace lostbits::analysis::selection {
 
-/// At the end, where it is not among them already.
+/// Appends an item that is not in the list yet.
 template <class T>
 void add_once(std::vector<T>& all, const std::type_identity_t<T>& one) {
     if (std::ranges::find(all, one) == all.end()) all.push_back(one);
 }
 
-/// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
-/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
-/// `sphere.*^box.signs` (`made_named`). A name without a glob character that is unknown is bad input, with
-/// did-you-mean, of the `option`; a glob that matches nothing selects nothing (exit 4).
+/// The forms whose names match any of the patterns (`sphere.*`, `*press*`), in the order of the catalogue. After them
+/// come the sets of words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
+/// `sphere.*^box.signs` (`made_named`). Throws InputError, which names the `option` and suggests a name, for an unknown
+/// name, and NothingSelected for a pattern that matches nothing.
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
 
-/// Whether a word stands for all names that it fits.
+/// True if the text has characters of a pattern: `*`, `?` or `[`.
 bool is_glob(const std::string& text);
 
-/// The places of the names that any of the words is or, as a glob, fits. InputError with did-you-mean, of the `option`,
-/// and NothingSelected for a glob that fits none; `what` is what one is called: `lostbits list` knows it in the plural.
+/// The indices of the names that equal a word or match it as a pattern. `what` names one row, such as `form`; its
+/// plural is the list of `lostbits list`. Throws InputError, which names the `option` and suggests a name, for an
+/// unknown name, and NothingSelected for a pattern that matches nothing.
 std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
                                       const std::string& what, const char* option);
 
-/// The rows of a list, such as `intersect::space::spaces()`, in its order, by their names.
+/// The rows of a list, such as `intersect::space::spaces()`, that the words name, in the order of the list.
 template <class Row>
 std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& words, const char* what,
                                     const char* option) {
@@ -62,39 +63,41 @@ std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector
     return rows;
 }
 
-/// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
+/// The formats of names and ranges `p5..p12`, each once. Throws InputError, which suggests a name, for an unknown one.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");
 
-/// Metrics by name or glob, in the order asked for; `made` keeps those of labels. InputError with did-you-mean.
+/// The metrics of names and patterns, in the given order. `made` keeps the metrics that are made for labels. Throws
+/// InputError, which suggests a name, for an unknown one.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
                                                            measure::metric::MetricSet& made);
 
-/// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
-/// leaves none; `what` is the scene or sweep.
+/// The metrics that apply to at least one of the rows: metrics of marches are dropped if no row marches. Throws
+/// InputError if none is left. `what` names the scene or sweep.
 std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> asked,
                                                                const std::vector<measure::evaluate::TestedForm>& rows,
                                                                const std::string& what);
 
-/// Each row is compared with a form, by name; rows of other shapes go, and of formats that it does not exist in.
-/// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
+/// Sets the form, by name, that each row is compared with. Drops rows of other shapes, and rows in formats in which the
+/// form does not exist. Throws InputError if no row is left. Prints on stderr, unless `quiet`, which rows can only be
+/// compared by their decisions.
 void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
 
-/// What is measured of rows that are held against a form, where it is not asked for already.
+/// Adds the metrics that compare a row with another form, if they are not in the list yet.
 void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
 
-/// Says on stderr which of the metrics leave out which rows, because nothing is known there of how the answer came
-/// about. InputError where that leaves out all rows.
+/// Prints on stderr which metrics leave out which forms because the operations of the forms are not known. Throws
+/// InputError if a metric leaves out all rows.
 void note_without_formula(const std::vector<const measure::metric::Metric*>& asked,
                           const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
-/// The default metrics and those that were asked for, as far as they apply, in the table's order.
+/// The default metrics and the given ones, as far as they apply, in the order of the table.
 std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
                                                      const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// The formats that a form exists in, in words: `all`, `f32`, `f64`, `f32 and f64`.
+/// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
 std::string formats_of(const intersect::table::Intersector& form);
 
-/// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
+/// Every selected form in every selected format in which it exists. Throws NothingSelected if there are none.
 std::vector<measure::evaluate::TestedForm> cross(const std::vector<const intersect::table::Intersector*>& forms,
                                                  const std::vector<Format>& formats);
 
@@ -108,10 +111,10 @@ std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::ev
     return chosen;
 }
 
-/// Adds the sets of forms that things with solids of several shapes are measured by (`rows_meeting`). Drops what no
-/// selected form handles then and says so on stderr unless quiet; `meets(thing, Shapes)` tells which forms can handle a
-/// thing, `name_of` its name. Returns the rows that can handle something of what stays. NothingSelected where nothing
-/// does.
+/// Drops the things (scenes or sweeps) that no selected form handles, and prints each on stderr unless quiet.
+/// `meets(thing, shapes)` is true if forms for these shapes can handle a thing; `name_of` is its name. For things with
+/// several shapes it first adds sets of forms (`rows_meeting`). Returns the rows that can handle one of the things that
+/// are left. Throws NothingSelected if none is left.
 template <class Things, class MeetsThing, class NameOf>
 std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const ChosenRows& chosen, MeetsThing meets,
                                                           NameOf name_of) {
@@ -132,7 +135,7 @@ std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const 
     });
 }
 
-/// Limits every parallel loop to that many threads while it lives; 0 stands for one per core.
+/// Limits every parallel loop to `threads` threads while it lives; 0 is one per core.
 class ThreadLimit {
 public:
     explicit ThreadLimit(int threads);
@@ -145,30 +148,31 @@ private:
     std::unique_ptr<Control> control_;
 };
 
-/// InputError for a form with a way to make rays, of a command that gives forms the camera's own.
+/// Throws InputError for a form with a ray generator, in a command that gives forms the rays of the camera.
 void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
 void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
-/// InputError for FORM+fma, whose time is not measured.
+/// Throws InputError for FORM+fma, whose time cannot be measured.
 void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 
-/// InputError for a scene whose rays each format makes, of a command that rounds them.
+/// Throws InputError for a scene whose rays are made in each format, in a command that rounds exact rays.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
-/// The constants of its march, where a row marches, and its lengths.
+/// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a row marches, which constants of
+/// its march do.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// The same at every step of a sweep, whose rays are made for it: 4 s for 4000 steps of 1024 views.
+/// The same for every step of a sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
 void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
                        intersect::process::StopToken stop);
 
-/// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
+/// The same for the lengths of all cases. Words such as `tiny` stand for numbers of each format and are never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// Says which assignments of `--set` change nothing: the constants of a march where no row marches.
+/// Prints on stderr which assignments of `--set` change nothing: constants of a march if no row marches.
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// Both, of a scene that `set` has changed; nothing where `quiet`.
+/// Prints both notes for a scene that `set` has changed; nothing if `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 

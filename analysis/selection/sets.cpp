@@ -45,15 +45,15 @@ std::string count_words(const std::vector<Forms>& by_shape, std::size_t count) {
     return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(words), count);
 }
 
-/// Every combination of one form of each list that can be a set. InputError, which begins with `who`, for too many, and
-/// where none of them can be a set.
+/// Every combination of one form of each list that can be a set. Throws InputError, which begins with `who`, for too
+/// many, and if none of them can be a set.
 Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
     std::size_t count = 1;
     for (const Forms& forms : by_shape) count *= forms.size();
     if (count > most_sets)
-        throw InputError(fmt::format("{}: {}, and {} are the most; name fewer forms, such as -i '{}.*' -i {}", who,
-                                     count_words(by_shape, count), most_sets, name_of(by_shape.front().front()->shape),
-                                     by_shape.back().front()->info->name));
+        throw InputError(fmt::format("{}: {}, and at most {} are allowed; name fewer forms, such as -i '{}.*' -i {}",
+                                     who, count_words(by_shape, count), most_sets,
+                                     name_of(by_shape.front().front()->shape), by_shape.back().front()->info->name));
     Forms sets;
     std::string refusal;
     for (std::size_t i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
     return sets;
 }
 
-/// The forms of the rows, each once: those of one shape, or the sets.
+/// The forms of the rows for which `which` is true, each once.
 Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& which) {
     Forms forms;
     for (const TestedForm& row : rows)
@@ -85,7 +85,7 @@ Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
     });
 }
 
-/// The shapes of something with solids under matrices; nothing where none stands under one.
+/// The shapes of something whose primitives are placed by matrices; nothing if none is.
 std::optional<Shapes> placed_shapes(const Meets& meets) {
     for (const ShapeRow& row : shape_rows)
         if (const Shapes one = Shapes(row.shape).placed(); meets(one)) return one;
@@ -93,7 +93,7 @@ std::optional<Shapes> placed_shapes(const Meets& meets) {
     return several && several->are_placed() ? several : std::nullopt;
 }
 
-/// The forms of these shapes that name no space, through the usual one.
+/// Adds each form for these shapes that has no transform with the usual transform.
 void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
     const std::vector<TestedForm> asked = rows;
     for (TestedForm row : asked) {
@@ -114,7 +114,8 @@ const Intersector& plain_form(Shape shape) {
     return plain == forms.end() ? forms.front() : *plain;
 }
 
-/// A set in each format of the rows, held against what they are held against where that is for the same shapes.
+/// Adds the sets in each format of the rows. A set is compared with the same form as the row if that is for the same
+/// shapes.
 void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
     const std::vector<TestedForm> asked = rows;
     for (const Intersector* const set : sets) {
@@ -130,7 +131,7 @@ void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
     }
 }
 
-/// Which of the shapes no row is for, and what to write.
+/// The shapes that no row is for, and advice.
 std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
     std::vector<Shape> lacking;
     std::string example;
@@ -145,7 +146,7 @@ std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
                        joined_plurals(lacking), example);
 }
 
-/// What `rows_meeting` adds for these shapes.
+/// Adds the sets that `rows_meeting` adds for these shapes.
 void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
     for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
@@ -165,8 +166,8 @@ void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, 
     add_rows(chosen.rows, {&plain});
     if (!chosen.quiet)
         fmt::print(stderr,
-                   "lostbits: {}: it has {}, which are measured by a form for each; without -i by {} alone; name "
-                   "forms, such as -i '{}.*' -i {}, for every combination of them\n",
+                   "lostbits: {}: it has {}, so it is measured with sets of one form for each; without -i that is {} "
+                   "alone. To measure all combinations of some forms, name them, such as -i '{}.*' -i {}\n",
                    name, selection::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
                    plain.parts.back()->info->name);
 }
@@ -197,8 +198,8 @@ Forms sets_named(const std::string& word, const char* option) {
     for (const std::string& part : scene::rays::forms_in_name(word)) {
         if (part.empty())
             throw InputError(
-                fmt::format("{} {}: no form stands on one side of a +; name a form for each shape, such "
-                            "as sphere.unified+box.signs",
+                fmt::format("{} {}: the form on one side of a + is missing; name a form for each shape, such as "
+                            "sphere.unified+box.signs",
                             option, word));
         parts.push_back(select_forms({part}, option));
         for (const Intersector* const form : parts.back()) scene::rays::without_maker(*form);
@@ -222,20 +223,20 @@ Forms made_named(const std::string& word, const char* option) {
     const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
     if (is_contracted && name.form.empty())
         throw InputError(fmt::format(
-            "{} {}: no form stands before the +fma; write FORM+fma, such as sphere.schoolbook+fma", option, word));
+            "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, word));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: no form, or no {}, stands beside the {}; write {}", option, word, is_box ? "box" : "space",
+            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "space",
             is_box ? "^" : "@",
             is_box ? "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
-                     "shows how boxes are computed"
-                   : "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` shows them"));
+                     "lists the ways to compute boxes"
+                   : "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` lists them"));
     const Forms all =
         rows_of(name, {.forms =
                            [&](const std::string& glob) {
                                Forms forms = select_forms({glob}, option);
-                               // A form that marches has no space of a solid, and one that decides by itself what it
-                               // does to a ray has no list of operations; named, they say so.
+                               // A pattern skips forms that march, which take no transform, and forms that choose
+                               // their operations by the ray, which have no tape. Named in full, they are refused.
                                std::erase_if(forms, [&](const Intersector* form) {
                                    return is_glob(name.form) && ((name.kind == Kind::space && !is_solid(form->shape)) ||
                                                                  (is_contracted && !measure::tape::has_tape(*form)));
@@ -257,12 +258,12 @@ Forms made_named(const std::string& word, const char* option) {
                        .contracted = measure::tape::contracted_row});
     if (all.empty() && is_contracted)
         throw NothingSelected(
-            fmt::format("{} {}: every form that matches marches, filters or shows no operations, so that none can be "
+            fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "
                         "contracted; try 'sphere.schoolbook+fma'",
                         option, word));
     if (all.empty())
         throw NothingSelected(
-            fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",
+            fmt::format("{} {}: every matching form marches, and forms that march take no transform; try '*@{}'",
                         option, word, name.last));
     return all;
 }
@@ -271,8 +272,8 @@ void refuse_makers(const Forms& forms, const char* command) {
     for (const Intersector* const form : forms)
         if (scene::rays::maker_of(*form))
             throw InputError(
-                fmt::format("-i {}: {} gives forms the camera's own rays; use `lostbits map`, `sweep`, "
-                            "`explain` or `check`, or leave out what stands behind the @",
+                fmt::format("-i {}: {} gives forms the rays of the camera; use `lostbits map`, `sweep`, `explain` or "
+                            "`check`, or leave out the @ and what follows it",
                             form->info->name, command));
 }
 void refuse_makers(const std::vector<TestedForm>& rows, const char* command) {
@@ -287,9 +288,8 @@ void refuse_contracted(const std::vector<TestedForm>& rows, const char* command)
         const auto& parts = row.form->parts;
         if (contracted(*row.form) || std::ranges::any_of(parts, [&](const auto* part) { return contracted(*part); }))
             throw InputError(
-                fmt::format("-i {}: {} measures time, and a contracted form is run operation by operation here, which "
-                            "takes longer than compiled code; use `lostbits map`, `sweep` or `judge`, or leave out "
-                            "+fma",
+                fmt::format("-i {}: {} measures time, but a contracted form runs operation by operation, which takes "
+                            "longer than compiled code; use `lostbits map`, `sweep` or `judge`, or leave out +fma",
                             row.form->info->name, command));
     }
 }
@@ -298,8 +298,8 @@ void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char*
     for (const scene::file::Scene& scene : scenes)
         if (scene.camera.rays)
             throw InputError(
-                fmt::format("{}: {}: each format makes the rays of this scene (camera.rays), and {} rounds "
-                            "them; use `lostbits map`, or leave out camera.rays",
+                fmt::format("{}: {}: each format makes the rays of this scene (camera.rays), but {} rounds exact rays; "
+                            "use `lostbits map`, or leave out camera.rays",
                             command, scene.id, command));
 }
 

@@ -1,4 +1,5 @@
-// From forms on the command line to sets of forms, one a shape, for what has solids of several shapes.
+// Makes sets of forms, one form per shape, from forms of the command line, for scenes with primitives of several
+// shapes.
 #pragma once
 
 #include <functional>
@@ -11,10 +12,11 @@
 
 namespace lostbits::analysis::selection {
 
-/// More sets than this on one scene are an error: whoever writes two globs seldom means their product.
+/// The largest number of sets on one scene. More are an error, since a user who writes two patterns seldom means all
+/// combinations.
 inline constexpr std::size_t most_sets = 200;
 
-/// The shapes of solids, under matrices where one of them stands under one.
+/// The shapes of primitives. They count as placed if a matrix places one of them.
 template <class List>
 Shapes shapes_of(const List& solids) {
     Shapes all;
@@ -26,51 +28,54 @@ Shapes shapes_of(const List& solids) {
     return all;
 }
 
-/// Whether forms for these meet solids one by one, and not as one field that they march through.
+/// True if forms for these shapes test primitives one by one, and do not march through one field of distances.
 inline bool are_solids(Shapes forms) { return !forms.has(Shape::sdf); }
 
-/// Whether the forms for these shapes can be asked about something.
+/// True if forms for these shapes can test something, such as a scene.
 using Meets = std::function<bool(Shapes)>;
 
-/// The shapes of something with solids of several; nothing where they are of one.
+/// The shapes of something with primitives of several shapes; nothing if they have one shape.
 std::optional<Shapes> several_shapes(const Meets& meets);
 
 /// "spheres and boxes"
 std::string plurals(Shapes shapes);
 
-/// Whether a word of -i names a set, `sphere.unified+box.signs`, and not a form that has a + in its name.
+/// True if a word of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
 bool names_set(const std::string& word);
-/// The sets of such a word, whose parts are globs. InputError for parts that can be no set and for more than
-/// `most_sets`; NothingSelected for a glob that matches nothing.
+/// The sets of such a word; its parts are patterns. Throws InputError for parts that cannot form a set and for more
+/// than `most_sets` sets, NothingSelected for a pattern that matches nothing.
 std::vector<const intersect::table::Intersector*> sets_named(const std::string& word, const char* option);
 
-/// The rows of a word such as `sphere.*@pbrt` or `sphere.*^box.signs~nearest`, whose parts are globs: through a space,
-/// or behind a box, which may stand one after the other. InputError and NothingSelected as of each part.
+/// The rows of a word such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form behind
+/// a bounding box); a word may have several of these. Its parts are patterns. Throws InputError and NothingSelected as
+/// the selection of each part does.
 std::vector<const intersect::table::Intersector*> made_named(const std::string& word, const char* option);
 
-/// What was chosen by -i and -f, and the words of -i.
+/// The rows that -i and -f select, and the words of -i.
 struct ChosenRows {
     std::vector<measure::evaluate::TestedForm>& rows;
     const std::vector<std::string>& words;
     bool quiet = false;
 };
 
-/// The rows that meet something called `name`. Where its solids stand under matrices, adds before every chosen form
-/// that names no space through the usual one. Where its solids are of several shapes, adds before every combination of
-/// the chosen forms, one a shape, in each chosen format; where all forms are chosen, as without -i, and nothing else
-/// meets it, the plain set alone, and says so on stderr. InputError for more than `most_sets`, and for a chosen set
-/// that lacks a shape.
+/// The rows that can test something called `name`. Before that it adds rows to the chosen ones:
+///   - if matrices place its primitives: every chosen form without a transform, with the usual transform;
+///   - if its primitives have several shapes: every combination of the chosen forms, one per shape, in each chosen
+///     format. If all forms are chosen (as without -i) and no row can test it, it adds only the plain set, and prints
+///     that on stderr.
+/// Throws InputError for more than `most_sets` sets, and for a chosen set that lacks a shape.
 std::vector<measure::evaluate::TestedForm> rows_meeting(const ChosenRows& chosen, const std::string& name,
                                                         const Meets& meets);
 
-/// The set of the first form of each shape that takes any direction and counts a touch as a hit.
+/// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).
 const intersect::table::Intersector& plain_set(Shapes shapes);
 
-/// `sphere.*' -i 'sdf.*`: the globs of the forms that meet something, or a set where its solids are of several shapes.
+/// `sphere.*' -i 'sdf.*`: the patterns of the forms that can test something, or a set if its primitives have several
+/// shapes.
 std::string globs_of(const Meets& meets);
 
-/// What to write so that something is met, for the end of a message: "; try -i 'sphere.*'", or ": it has spheres and
-/// boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
+/// Advice for the end of a message that no selected form can test something: "; try -i 'sphere.*'", or ": it has
+/// spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
 std::string words_to_meet(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
 
 }  // namespace lostbits::analysis::selection

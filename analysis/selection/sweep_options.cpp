@@ -23,7 +23,7 @@ std::vector<long long> read_steps(const std::string& text) {
             !word.empty() && word.size() < 10 && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
         if (!digits)
             throw InputError(fmt::format(
-                "--steps {}: is not a number of steps; write one for every axis, or one each: 40 or 40,20", text));
+                "--steps {}: is not a number of steps; write one for all axes or one for each: 40 or 40,20", text));
         steps.push_back(std::stoll(word));
         at = end + 1;
     }
@@ -66,38 +66,38 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
     if (kind == SweepKind::axes) return;
     const auto first = [](const std::vector<std::string>& given) { return given.empty() ? "" : given.front(); };
     const auto other = std::ranges::find_if(words.formats, [](const std::string& format) { return format != "f32"; });
-    const bool draws_none = kind == SweepKind::cases && words.seeds == 0;  // which cases do anyway
-    /// What each kind has to say to a word that means nothing to it.
+    const bool draws_none = kind == SweepKind::cases && words.seeds == 0;  // cases never draw rays
+    /// An option with the message of each kind that does not take it; null if the kind takes it.
     struct Row {
         const char* option;
         std::string given;
         const char *cases, *search, *edges, *every_float;
     };
     const Row rows[] = {
-        {"--size", words.size, "has no picture: its rays are the cases; leave out --size",
-         "has no picture: its rays are searched; leave out --size, and try --set starts=N for more of them",
-         "has no picture: its rays are searched; leave out --size, and try --set rays=N for more of them",
-         "has no picture: its rays are in the file; leave out --size"},
+        {"--size", words.size, "has no picture, since its rays are the cases; leave out --size",
+         "has no picture, since it searches for rays; leave out --size, and try --set starts=N for more of them",
+         "has no picture, since it searches for rays; leave out --size, and try --set rays=N for more of them",
+         "has no picture, since its rays are in the file; leave out --size"},
         {"--steps", words.steps, "has no steps but its cases; leave out --steps",
          "has no steps; try --set starts=N or --set generations=N", "has no steps; try --set rays=N",
          "tries every float of its range; leave out --steps"},
-        {"--set", first(words.set), "names each of its cases by its numbers; copy the file and change them there",
-         nullptr, nullptr, "says what is true of the very numbers in its file; copy the file and change them there"},
+        {"--set", first(words.set), "is a list of cases with their numbers; copy the file and change them there",
+         nullptr, nullptr, "makes statements about the numbers in its file; copy the file and change them there"},
         {"-f", other == words.formats.end() ? "" : *other, nullptr, nullptr, nullptr,
-         "tries every number of one format, and that is f32; leave out -f"},
+         "tries every number of f32 and of no other format; leave out -f"},
         {"--metric", first(words.metrics), nullptr,
          "searches by the metric that its file names; leave out --metric, and try --set metric={}",
-         "searches for the nearest cracks and double hits, not for a metric; leave out --metric",
-         "tries every float and measures outcomes and ulp errors alone; leave out --metric, and ask `lostbits "
-         "explain` about single floats"},
+         "searches for the nearest cracks and double hits, not by a metric; leave out --metric",
+         "tries every float and measures only outcomes and ulp errors; leave out --metric, and use `lostbits explain` "
+         "for single floats"},
         {"--seeds", words.seeds && !draws_none ? std::to_string(*words.seeds) : "",
-         "names its rays and draws none at random; leave out --seeds",
+         "lists its rays and draws none at random; leave out --seeds",
          "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
          "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
          "tries every float and draws nothing at random; leave out --seeds"},
-        {"--against", words.against, nullptr, "compares with the truth alone; leave out --against",
-         "compares with the truth alone; leave out --against",
-         "tries every float and compares with the truth alone; leave out --against"},
+        {"--against", words.against, nullptr, "compares only with the truth; leave out --against",
+         "compares only with the truth; leave out --against",
+         "tries every float and compares only with the truth; leave out --against"},
         {"--pictures", words.pictures == "all" ? "all" : "", "has one picture for all forms; leave out --pictures",
          "has no contact sheet; leave out --pictures", "has no contact sheet; leave out --pictures",
          "has no contact sheet; leave out --pictures"}};
@@ -114,9 +114,10 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
 
 std::string interrupted_text(SweepKind kind, const std::string& name) {
     if (kind == SweepKind::every_float)
-        return fmt::format("interrupted among the floats of {}: how far it came is kept for --resume", name);
-    return fmt::format("interrupted among the {} of {}: of this sweep nothing is kept, of finished ones everything",
-                       parts_of(kind), name);
+        return fmt::format("interrupted in the floats of {}: its progress is kept for --resume", name);
+    return fmt::format(
+        "interrupted in the {} of {}: the results of this sweep are lost, those of finished ones are kept",
+        parts_of(kind), name);
 }
 
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,

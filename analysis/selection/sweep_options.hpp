@@ -1,4 +1,4 @@
-// What --size, --set and --steps mean to a sweep, by its kind; and what an interrupt leaves of it.
+// The options that change a sweep, such as --size, --set and --steps, and which of them each kind of sweep takes.
 #pragma once
 
 #include <filesystem>
@@ -13,30 +13,30 @@
 
 namespace lostbits::analysis::selection {
 
-/// As on the command line; what was not given is empty.
+/// The options of a sweep, as on the command line; those that were not given are empty.
 struct SweepWords {
     std::string size, steps;
     std::vector<std::string> set = {}, formats = {}, metrics = {};
     std::string against = {}, pictures = "sheets";
     std::optional<int> seeds = {};
 
-    /// ` (--steps 5, --set views=8)`: what the title of a changed sweep ends in.
+    /// ` (--steps 5, --set views=8)`: the end of the title of a changed sweep.
     [[nodiscard]] std::string in_title() const;
 };
 
-/// InputError for what is no size, no numbers of steps, no assignment.
+/// Parses the size, the steps and the assignments. Throws InputError for one that is malformed.
 scene::sweep::SweepChanges read_changes(const SweepWords& words);
 
-/// The files that decide what a sweep measures; its scenes are looked up in `data`.
+/// The files that a sweep is read from: its own and that of its scene, which is looked up in `data`.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
                                                           scene::sweep::SweepKind kind, const SweepWords& words,
                                                           const std::filesystem::path& data,
                                                           intersect::process::StopToken stop);
 
-/// InputError where a word means nothing to a sweep of that kind, with why and what to do instead.
+/// Throws InputError if a sweep of that kind does not take one of the options; says why and what to do instead.
 void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const std::string& name);
 
-/// The error of an interrupted sweep: where it stopped, and which files there are.
+/// The message of an interrupted sweep: where it stopped, and which results are kept.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);
 
 }  // namespace lostbits::analysis::selection

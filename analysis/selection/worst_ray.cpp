@@ -23,11 +23,11 @@ namespace {
 
 std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metric::find_metric("lost_bits")}; }
 
-/// The worst ray of several summaries, by the rule of one: of the most frequent kind of wrong decision over all of them
-/// the first ray, else the largest error.
+/// The worst ray of several summaries, by the same rule as of one. If there are wrong decisions, it is the first ray
+/// with the most frequent kind of them in all summaries; else the ray with the largest error.
 struct WorstOfAll {
     std::size_t which = 0;
-    const WorstRay* ray = nullptr;  ///< null where there is none
+    const WorstRay* ray = nullptr;  ///< null if there is none
     std::uint64_t rays = 0;
     std::string why = "the largest error";
     bool any_hit = false;  ///< some decision is a correct hit
@@ -57,10 +57,10 @@ struct WorstOfAll {
         "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
         "X,Y",
         row.form->info->name, row.format.name, where,
-        worst.any_hit ? "tells no t that could be off: it answers yes or no" : "none of them hits anything"));
+        worst.any_hit ? "it returns no t that could have an error" : "none of the rays hits anything"));
 }
 
-/// The place of a ray among all of a step, of which a family draws so many in each group.
+/// The index of a ray among all rays of a step, which are in groups.
 std::size_t place_among(const std::vector<RayGroup>& groups, const WorstRay& ray) {
     auto place = static_cast<std::size_t>(ray.x);
     for (int g = 0; g < ray.group; ++g) place += groups[static_cast<std::size_t>(g)].rays.size();
@@ -113,8 +113,8 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row
     if (ray == nullptr) refuse(row, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
-            fmt::format("--worst: the worst ray of sweep {} cannot be taken along, as it has too many "
-                        "solids, or each format makes it; explain a pixel of its scene with --set",
+            fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
+                        "primitives or each format makes it; explain a pixel of its scene with --set",
                         sweep.id));
     std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)

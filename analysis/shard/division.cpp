@@ -26,7 +26,7 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
     return n;
 }
 
-/// The files of shards in a folder, or in the folders in it; the file itself where it is named.
+/// The state files of shards in a folder or in its subfolders; or the named file itself.
 std::vector<fs::path> state_files(const fs::path& named) {
     std::error_code ignored;
     if (fs::is_regular_file(named, ignored)) return {named};
@@ -38,12 +38,13 @@ std::vector<fs::path> state_files(const fs::path& named) {
         if (fs::is_regular_file(file, ignored)) found.push_back(file);
     }
     if (!fs::exists(named, ignored))
-        throw InputError(
-            named.string() +
-            ": there is no such folder; name the -o of runs with --shard, or the shard-K-of-N folders in it");
+        throw InputError(named.string() +
+                         ": does not exist; name the folder that was -o of the runs with --shard, or the shard-K-of-N "
+                         "folders in it");
     if (found.empty())
         throw InputError(named.string() +
-                         ": holds no shard; name the -o of runs with --shard, or the shard-K-of-N folders in it");
+                         ": has no shard; name the folder that was -o of the runs with --shard, or the shard-K-of-N "
+                         "folders in it");
     std::ranges::sort(found);
     return found;
 }
@@ -87,7 +88,7 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
     std::vector<fs::path> seen;
     for (const std::string& folder : folders) {
         for (const fs::path& file : state_files(folder)) {
-            std::error_code unknown;  // of what lies in no folder, as /proc/self/fd/3
+            std::error_code unknown;  // for a file in no folder, such as /proc/self/fd/3
             fs::path real = fs::weakly_canonical(file, unknown);
             if (unknown) real = file;
             if (std::ranges::find(seen, real) != seen.end()) continue;
@@ -108,18 +109,18 @@ void Shards::check_same_run(const std::string& program) const {
         const auto refuse = [&file](const std::string& why) {
             throw InputError(file.path().string() + ": " + why + "; nothing was joined");
         };
-        if (head.program != program) refuse("was made by " + head.program + ", and this is " + program);
+        if (head.program != program) refuse("was made by " + head.program + ", but this is " + program);
         if (head.command != of.command)
-            refuse(fmt::format("is a shard of another run: `{}`, and {} is one of `{}`", head.command,
+            refuse(fmt::format("is a shard of another run: of `{}`, but {} is a shard of `{}`", head.command,
                                first.path().string(), of.command));
         if (head.share.of != of.share.of)
-            refuse(fmt::format("is shard {}, and {} is shard {}: the run was divided in two ways",
+            refuse(fmt::format("is shard {}, but {} is shard {}: the run was divided in two ways",
                                shard_text(head.share), first.path().string(), shard_text(of.share)));
         if (head.inputs != of.inputs)
-            refuse(
-                fmt::format("was measured from other files than {}: a scene, a sweep, a file of rays or of claims, "
-                            "or a library has changed between them",
-                            first.path().string()));
+            refuse(fmt::format(
+                "was measured with other files than {}: a scene, a sweep, a file of rays or of claims, or a "
+                "library changed between them",
+                first.path().string()));
     }
 }
 
@@ -149,8 +150,8 @@ void Shards::check_complete() const {
 void Shards::check_inputs(std::uint64_t inputs) const {
     if (inputs == files_.front().head().inputs) return;
     throw InputError(files_.front().path().string() +
-                     ": the files that its run read have changed since: a scene, a sweep, a file of rays or of "
-                     "claims, or a library; join the shards where those files are, or run the shards again");
+                     ": the files that its run read have changed: a scene, a sweep, a file of rays or of claims, or a "
+                     "library; join the shards where the old files are, or run the shards again");
 }
 
 void Shards::check_jobs(const std::vector<std::string>& jobs) const {

@@ -1,5 +1,5 @@
-// How the work of a run is divided: not at all, into shards of which this run is one, or shards are done and joined, by
-// `lostbits merge`: the command whose shards lie there runs once more, with everything measured.
+// Divides the work of a run. A run is either whole, or one shard of several, or the run of `lostbits merge`, which
+// joins finished shards: it runs the command of the shards once more, with their measurements instead of its own.
 #pragma once
 
 #include <filesystem>
@@ -19,28 +19,28 @@
 
 namespace lostbits::analysis::shard {
 
-/// `3/64`. InputError for anything that is not a shard.
+/// Parses `3/64`. Throws InputError for a text that is not a shard.
 measure::shard::Share share_named(const std::string& word);
 
-/// The folder of a shard in that of its run: `shard-3-of-64`.
+/// Name of a shard's folder inside the folder of its run: `shard-3-of-64`.
 std::string folder_name(measure::shard::Share share);
 
 /// All shards of one run, in their order.
 class Shards {
 public:
-    /// What lies in the folders: each has a shard, or folders that have one each. InputError where a shard is missing,
-    /// is there twice, or is one of another run.
+    /// Opens the shards in the folders. Each folder has one shard, or subfolders with one shard each. Throws InputError
+    /// if a shard is missing, is there twice, or belongs to another run.
     explicit Shards(const std::vector<std::string>& folders, const std::string& program);
 
     [[nodiscard]] const std::string& command() const { return files_.front().head().command; }
     [[nodiscard]] std::uint64_t size() const { return files_.size(); }
-    /// InputError where the run's files are no longer those that the shards read.
+    /// Throws InputError if the files of the run have changed since the shards read them.
     void check_inputs(std::uint64_t inputs) const;
-    /// InputError where a shard has other jobs than these: before a result is written, not after the last.
+    /// Throws InputError if a shard has other jobs than these. Call it before any result is written.
     void check_jobs(const std::vector<std::string>& jobs) const;
-    /// Every record of this name, of one shard after another.
+    /// Calls `take` for every record of this name, one shard after another.
     void each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take);
-    /// InputError where a shard has more than was asked for.
+    /// Throws InputError if a shard has records that were not read.
     void check_end() const;
 
 private:
@@ -52,31 +52,31 @@ private:
 
 class Division {
 public:
-    /// Not at all.
+    /// A whole run.
     Division() = default;
-    /// This run is a shard, whose file is in the folder once it is finished.
+    /// A shard. Its file appears in the folder when it is finished.
     Division(const std::filesystem::path& folder, const output::shard::StateHead& head);
-    /// All is measured.
+    /// A run that joins shards.
     explicit Division(std::shared_ptr<Shards> joined) : joined_(std::move(joined)) {}
 
-    /// Of this run.
+    /// The share of the work that this run does.
     [[nodiscard]] measure::shard::Share share() const { return share_; }
     [[nodiscard]] bool is_shard() const { return file_ != nullptr; }
     [[nodiscard]] bool joins() const { return joined_ != nullptr; }
 
-    /// Of a shard: notes what it found under the name of a job.
+    /// In a shard: records what it found, under the name of a job.
     template <class... T>
     void put(const std::string& job, const T&... found) {
         file_->put(job, output::shard::bits_of(found...));
     }
-    /// Where shards are joined: what they noted, in their order.
+    /// In a run that joins shards: calls `take` for the records of the job, in the order of the shards.
     void each(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
         joined_->each(job, take);
     }
 
-    /// What a job comes to: measured here, or joined from what the shards measured. Nothing in a shard, which notes
-    /// its part. `measure` measures what `share` has; `require` of a shard's part throws std::out_of_range where it
-    /// cannot be one.
+    /// The result of a job: measured here, or joined from the records of the shards. Returns nothing in a shard, which
+    /// records its part. `measure` measures the units of `share`. `require` throws std::out_of_range if a record cannot
+    /// be a part of the job.
     template <class Measure>
     auto result_of(const std::string& job, const Measure& measure,
                    const std::function<void(const std::invoke_result_t<Measure>&)>& require = {})
@@ -99,12 +99,12 @@ public:
         return std::nullopt;
     }
 
-    /// All jobs of the run.
+    /// Names all jobs of the run. Throws InputError if shards that are joined have other jobs.
     void expect(const std::vector<std::string>& jobs) const {
         if (joined_) joined_->check_jobs(jobs);
     }
 
-    /// The end of the run: a shard's file gets its name.
+    /// Ends the run: the file of a shard gets its final name.
     void finish();
 
 private:
@@ -122,7 +122,7 @@ private:
     std::shared_ptr<Shards> joined_;
 };
 
-/// Runs the command of these words, of which the shards have measured everything.
+/// Runs the command of these words with the measurements of the shards.
 using RunOfShards = std::function<Exit(std::vector<std::string> words, std::shared_ptr<Shards> shards)>;
 
 /// Registers the subcommand; `version` is the program's.

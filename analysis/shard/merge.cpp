@@ -11,10 +11,10 @@ namespace {
 struct MergeOptions {
     std::vector<std::string> folders;
     std::string out;
-    std::string junit, csv, json, save, moves;  ///< of claims
+    std::string junit, csv, json, save, moves;  ///< for shards of `lostbits check` only
 };
 
-/// The words of the run whose shards these are, with a place of its own.
+/// The words of the command whose shards are joined, with the folder of this run.
 std::vector<std::string> words_of_run(const std::string& command, const MergeOptions& o) {
     std::vector<std::string> words = selection::words_in(command);
     const bool checks = words.size() > 1 && words[1] == "check";
@@ -26,7 +26,7 @@ std::vector<std::string> words_of_run(const std::string& command, const MergeOpt
                                        {"--moves", o.moves}}) {
         if (file.empty()) continue;
         if (!checks)
-            throw InputError(std::string(option) + " " + file + ": is for claims, and these are shards of `" + command +
+            throw InputError(std::string(option) + " " + file + ": is for claims, but these are shards of `" + command +
                              "`; leave it out");
         words.insert(words.end(), {option, file});
     }

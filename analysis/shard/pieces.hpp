@@ -1,4 +1,4 @@
-// What shards note of the rows of a map or of a file of rays: pieces of files, and what is known in the end.
+// The records of shards of a map or a judgement: pieces of the files of rows, and the summaries at the end.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace lostbits::analysis::shard {
 
-/// A shard's record: a piece of a row's files, or what is known in the end.
+/// The kind of a record: a piece of a row's files, or the summaries at the end.
 enum class Noted : std::uint8_t { piece, end };
 
-/// Notes the pieces of a job's rows in a shard; nothing elsewhere.
+/// A function that records the pieces of a job's rows in a shard; empty in other runs.
 inline output::map::KeepPiece keep_in(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
     return [&division, job](std::size_t row, output::map::MapPiece&& piece) {
@@ -21,7 +21,7 @@ inline output::map::KeepPiece keep_in(Division& division, const std::string& job
     };
 }
 
-/// Whether the record is a piece, which goes to its row's files.
+/// Passes a piece to its row's files. Returns false if the record is not a piece but the summaries.
 template <class Files>
 bool joined_piece(output::shard::BitReader& bits, Files& files) {
     Noted noted{};
@@ -34,7 +34,7 @@ bool joined_piece(output::shard::BitReader& bits, Files& files) {
     return true;
 }
 
-/// Hands the pieces of a job's rows, of all shards, to its files, and adds up what is known in the end.
+/// Passes the pieces of a job's rows in all shards to its files, and adds up the summaries.
 template <class Files, class Summary>
 void join_into(Files& files, std::vector<Summary>& all, measure::truth::StageCounts& stages, Division& division,
                const std::string& job) {

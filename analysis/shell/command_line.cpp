@@ -52,11 +52,11 @@ CLI::Option* add_split(CLI::App& app, const std::string& names, std::vector<std:
     return app.add_option_function<std::vector<std::string>>(names, take, help)->allow_extra_args(false);
 }
 
-/// One value where it stands, and held to the check.
+/// The option, with one value each time and with the check.
 Option finished(CLI::Option* option, const ValueRule& check) {
     if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
     const auto hold = [wrong = check.wrong, option](const std::string& word) {
-        // Thrown, since the parser would put the option's name in front of it.
+        // Throw: the parser would put the option's name in front of a returned text.
         if (std::string text = wrong(option->get_name(), word); !text.empty()) throw Misread(Misread::said, text);
         return std::string();
     };
@@ -110,11 +110,11 @@ std::vector<std::string> assignments_in(const std::string& word) {
     for (std::size_t i = 0; i < word.size(); ++i) {
         depth += (word[i] == '[' || word[i] == '(') - (word[i] == ']' || word[i] == ')');
         if (word[i] != ',' || depth > 0) continue;
-        // `box[0].lo=9,9,9`: only what has a = of its own begins another assignment.
+        // In `box[0].lo=9,9,9` a comma starts another assignment only if what follows it has a = of its own.
         const std::size_t next = word.find(',', i + 1), equals = word.find('=', i + 1);
         if (begin < i && word.find('=', begin) < i && equals > next)
             throw InputError(
-                fmt::format("--set {}: what stands after the comma is not an assignment; write several numbers in "
+                fmt::format("--set {}: the text after the comma is not an assignment; write several numbers in "
                             "brackets, as in {}",
                             word, "'box[0].lo=[9, 9, 9]'"));
         all.push_back(trimmed(word.substr(begin, i - begin)));
@@ -149,9 +149,9 @@ void Option::replace(const std::vector<std::string>& words) const {
 
 template <class T>
 Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
-    if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest of them
+    if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest number
         const auto minus = [](const std::string& option, const std::string& word) {
-            return word.starts_with('-') ? fmt::format("{} {}: is not a whole number from 0 on", option, word) : "";
+            return word.starts_with('-') ? fmt::format("{} {}: is not a whole number of at least 0", option, word) : "";
         };
         return finished(app_->add_option(names, into, help), check.wrong ? check : ValueRule{minus, ""});
     }
@@ -173,7 +173,7 @@ Option Command::add_list(const std::string& names, std::vector<std::string>& int
     const auto items = [option = names.substr(0, names.find(','))](const std::string& word) {
         return items_in(word, option);
     };
-    // Not by the parser's delimiter, which drops empty items and keeps blanks.
+    // The parser's own delimiter would drop empty items and keep blanks.
     auto* const list = add_split(*app_, names, into, items, help)->type_name(list_type);
     if (!check.wrong) return Option(list);
     const auto each = [check](const std::string& option, const std::string& word) {
@@ -305,12 +305,12 @@ void require_different_files(const std::vector<NamedFile>& files, const NamedFil
         if (file.empty()) continue;
         const auto at = place_of(file);
         if (!taken_folder.empty() && at.parent_path() == taken_folder)
-            throw InputError(fmt::format("{} {}: lies among the files of {} {}; put it elsewhere", option, file,
+            throw InputError(fmt::format("{} {}: is in the folder of {} {}; choose another folder", option, file,
                                          folder.option, folder.file));
         const auto [place, fresh] = taken.emplace(at, option);
         if (!fresh)
             throw InputError(
-                fmt::format("{} {}: {} names the same file; give each a file of its own", option, file, place->second));
+                fmt::format("{} {}: {} names the same file; give each its own file", option, file, place->second));
     }
 }
 

@@ -1,5 +1,6 @@
-// The command line as the commands see it: what they declare, and what was given. The parser behind it is seen by
-// command_line.cpp alone: compiling the commands took 80 s of processor, not 66, while each saw its templates.
+// The command line as the commands see it: the options they declare, and the words that were given. Only
+// command_line.cpp includes the parser: when every command included its templates, compiling the commands took 80 s of
+// processor time instead of 66 s.
 #pragma once
 
 #include <filesystem>
@@ -18,23 +19,24 @@ class Option;
 
 namespace lostbits::analysis::shell {
 
-/// What a value is held to.
+/// The check of a value.
 struct ValueRule {
-    /// What is wrong with a word of an option, in a sentence; empty where it fits.
+    /// Says in a sentence what is wrong with a word of an option; empty if the word is right.
     std::function<std::string(const std::string& option, const std::string& word)> wrong;
     std::string description;  ///< for the help: `{none,csv}`
 };
 ValueRule one_of(const std::vector<std::string>& known);
-/// Both ends included; NaN is in no range.
+/// A number from `low` to `high`, both included. NaN is refused.
 ValueRule whole_from(int low, int high);
 ValueRule number_from(double low, double high);
 
-/// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
+/// The items between the commas of a list, without the blanks around them. Throws InputError, which names the `option`,
+/// for an empty item.
 std::vector<std::string> items_in(const std::string& word, const std::string& option);
-/// The assignments of a word: `a=1,b=[2,3]` are two.
+/// The assignments in a word: `a=1,b=[2,3]` has two.
 std::vector<std::string> assignments_in(const std::string& word);
 
-/// An option or, where its name has no hyphen, an argument of a command. A copy is the same option.
+/// An option of a command, or an argument if its name has no hyphen. A copy refers to the same option.
 class Option {
 public:
     explicit Option(CLI::Option* option = nullptr) : option_(option) {}
@@ -49,58 +51,59 @@ public:
     [[nodiscard]] const std::vector<std::string>& short_names() const;  ///< without hyphens
     [[nodiscard]] const std::vector<std::string>& long_names() const;
     [[nodiscard]] const std::string& help() const;
-    [[nodiscard]] std::string type() const;  ///< with what it is checked against: `TEXT:{none,csv}`
+    [[nodiscard]] std::string type() const;  ///< with its allowed values: `TEXT:{none,csv}`
     [[nodiscard]] bool is_argument() const;
     [[nodiscard]] bool is_required() const;
     [[nodiscard]] bool takes_value() const;
-    [[nodiscard]] bool takes_several() const;                     ///< where it stands
+    [[nodiscard]] bool takes_several() const;                     ///< in one place
     [[nodiscard]] const std::vector<std::string>& words() const;  ///< as they were given
 
-    /// As if these words had been given.
+    /// Replaces the words that were given.
     void replace(const std::vector<std::string>& words) const;
 
 private:
     CLI::Option* option_;
 };
 
-/// A command, the program, or a group of options. A copy is the same command.
+/// A command, the program, or a group of options. A copy refers to the same command.
 class Command {
 public:
-    /// T: std::string, its vector, double, int, std::optional<int>, std::size_t. An option takes one value where it
-    /// stands, and of a vector it may be repeated; an argument takes all that follow.
+    /// Adds an option or an argument. T is std::string, its vector, double, int, std::optional<int> or std::size_t. An
+    /// option takes one value each time; with a vector it may be repeated. An argument with a vector takes all words
+    /// that follow.
     template <class T>
     Option add(const std::string& names, T& into, const std::string& help, const ValueRule& check = {}) const;
     Option add(const std::string& names, bool& into, const std::string& help) const;  ///< takes no value
-    /// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The
-    /// check is of each.
+    /// Adds an option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`.
+    /// Each value is checked.
     Option add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
                     const ValueRule& check = {}) const;
-    /// `--set`: assignments, repeated or between commas.
+    /// Adds `--set`, which takes assignments, repeated or between commas.
     Option add_set(std::vector<std::string>& into, const std::string& help) const;
-    /// An option whose value is one of these names, the first by default; `take` gets its place among them.
+    /// Adds an option whose value is one of these names, by default the first. `take` gets the index of the name.
     Option add_named(const std::string& option, const std::vector<std::string>& names,
                      const std::function<void(int)>& take, const std::string& help) const;
 
-    /// A command of its own, of which one must be given from then on.
+    /// Adds a subcommand. A command that has subcommands needs one of them.
     Command add_command(const std::string& name, const std::string& help) const;
-    /// Options of which at most one can be given.
+    /// Adds a group of options of which at most one can be given.
     Command add_group(const std::string& name, const std::string& help) const;
-    /// For once the words are read: which of these options each of their values was given to, as places in the list,
-    /// in the order in which they were given.
+    /// A function to call after parsing. It returns, for each value of these options in the order in which they were
+    /// given, the index of its option in the list.
     [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
 
-    /// What is done where this command is given.
+    /// Sets the function that runs if this command is given.
     void runs(const std::function<Exit()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
     [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
-    [[nodiscard]] Option option(const std::string& name) const;                  ///< false where there is none
+    [[nodiscard]] Option option(const std::string& name) const;                  ///< false if there is none
     [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
     [[nodiscard]] std::vector<std::string> names_of_commands() const;
-    [[nodiscard]] std::vector<Command> given() const;  ///< itself, the command of it that was given, and so on
-    [[nodiscard]] std::string given_words() const;     ///< the names of these: `lostbits plugin check`
+    [[nodiscard]] std::vector<Command> given() const;  ///< itself, its subcommand that was given, and so on
+    [[nodiscard]] std::string given_words() const;     ///< their names: `lostbits plugin check`
 
 protected:
     Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}
@@ -111,11 +114,11 @@ private:
     [[nodiscard]] std::vector<Command> inner(bool named) const;
 };
 
-/// Words that are not understood, as the parser says it.
+/// An error in the words of a command line, with the text of the parser.
 struct Misread : std::runtime_error {
     enum Kind { nothing_takes_it, missing, unread, wrong_count, said };
     Misread(Kind which, const std::string& text) : std::runtime_error(text), kind(which) {}
-    Kind kind;  ///< `said`: the text is a sentence of ours
+    Kind kind;  ///< `said`: the text is already a finished message
 };
 
 class CommandLine : public Command {
@@ -124,37 +127,38 @@ public:
                 const std::string& footer);
     ~CommandLine();
 
-    /// Reads the words, the first of which is the program's own. False where they asked for help, which is printed
-    /// then. Misread; what a check throws.
+    /// Parses the words; the first is the name of the program. Returns false if they asked for help or the version,
+    /// which is then printed. Throws Misread, or what a check throws.
     [[nodiscard]] bool parse(const std::vector<std::string>& words);
-    /// Does what was chosen.
+    /// Runs the command that was given.
     [[nodiscard]] Exit run() const { return run_(); }
 
-    [[nodiscard]] std::vector<std::string> leftover() const;  ///< words that nothing takes
+    [[nodiscard]] std::vector<std::string> leftover() const;  ///< words that no option or argument takes
 
 private:
     std::unique_ptr<CLI::App> parser_;
     std::function<Exit()> run_;
 };
 
-/// What is wrong, why, and what to try: a sentence for what the parser threw.
+/// A message for what the parser threw: what is wrong, why, and what to try.
 std::string describe_misread(const CommandLine& program, const Misread& error);
 
-/// The message, with the line breaks that somebody typed into one of the words as `\n`: its own stay.
+/// The message, with line breaks that come from one of the words written as `\n`. The line breaks of the message itself
+/// stay.
 std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words);
 
-/// The path of a file, whether it is there or not. (Where none of its folders is, weakly_canonical alone leaves a
-/// relative path as it is.)
+/// The absolute path of a file, which need not exist. (weakly_canonical alone leaves a relative path as it is if none
+/// of its folders exists.)
 [[nodiscard]] std::filesystem::path place_of(const std::string& file);
 
-/// An option, and what it names; empty where it was not given.
+/// An option and the file that it names, empty if the option was not given.
 struct NamedFile {
     const char* option;
     std::string file;
 };
 
-/// InputError where two options name one file, of which the later would overwrite the earlier, or one lies in `folder`,
-/// among whose files it may come to be.
+/// Throws InputError if two options name the same file, since the later would overwrite the earlier, or if a file is
+/// directly in `folder`, since a result there may get the same name.
 void require_different_files(const std::vector<NamedFile>& files, const NamedFile& folder);
 
 }  // namespace lostbits::analysis::shell

@@ -18,7 +18,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-/// Up to the first stop, for a menu: without what options of scenes and defaults say.
+/// The help of an option up to the first " (", ": " or "; ", for a menu.
 std::string short_help(const std::string& help) {
     return help.substr(0, std::min({help.find(" ("), help.find(": "), help.find("; ")}));
 }
@@ -29,13 +29,13 @@ std::vector<std::string> names_of(const std::vector<OptionRow>& options) {
     return names;
 }
 
-/// Prints the names that `lostbits list` gives. A shell would run what is in others: `compgen -W` expands its words,
-/// and a scene of somebody's folder may be called `$(command).toml`.
+/// Prints the names that `lostbits list` gives, except names with special characters. A shell would run code in these:
+/// `compgen -W` expands its words, and a scene in a user's folder may be called `$(command).toml`.
 constexpr const char* plain_names = "awk 'NR > 1 && $1 ~ /^[A-Za-z0-9_.,:@\\/+-]+$/ { print $1 }'";
 
 // bash -----------------------------------------------------------------------------------------------------------
 
-/// The shell's words that set what can stand here.
+/// Bash code that sets the words or files to offer.
 std::string bash_values(const Values& values) {
     switch (values.kind) {
         case Kind::words: return fmt::format("words=\"{}\"", fmt::join(values.words, " "));
@@ -124,7 +124,7 @@ std::string bash_completion(const Command& program) {
         std::string(plain_names) +
         "; done\n"
         "}\n\n"
-        "# Sets what can stand at the cursor: words, or the kind of files.\n"
+        "# Sets the words, or the kind of files, that can be typed at the cursor.\n"
         "_lostbits_here() {\n"
         "    local command=$1 previous=$2\n"
         "    case $command in\n";
@@ -135,7 +135,7 @@ std::string bash_completion(const Command& program) {
         if (!command.commands.empty())
             here += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
         else if (!command.arguments.empty()) here += "; " + bash_values(command.arguments.front().values);
-        // What has a name may be a file as well.
+        // A subject that has a name may be given as a file too.
         if (!command.arguments.empty()) here += "; files=-f";
         text += fmt::format("            {} ;;\n", here);
     }
@@ -155,7 +155,7 @@ std::string bash_completion(const Command& program) {
         "        COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
         "        return\n"
         "    fi\n"
-        "    # Several values stand between commas: the last of them is completed.\n"
+        "    # Completes the last of several values between commas.\n"
         "    local last=${{current##*,}}\n"
         "    COMPREPLY=($(compgen -P \"${{current%\"$last\"}}\" -W \"$words\" -- \"$last\"))\n"
         "    if [[ -n $files ]]; then\n"

@@ -9,7 +9,7 @@ namespace lostbits::analysis::shell {
 
 namespace {
 
-/// Text as roff reads it: a hyphen that can be copied, a backslash as itself, no line that looks like a request.
+/// The text escaped for roff: hyphens that can be copied, backslashes, and no line that looks like a request.
 std::string roff(const std::string& text) {
     std::string out;
     for (const char c : text) {
@@ -50,7 +50,7 @@ std::string words_after(const CommandRow& command) {
     return text + " [\\fIOPTION\\fR]...";
 }
 
-/// The ways to write a command: one a line where its own commands take different words.
+/// The lines of the synopsis of a command. There is one per subcommand if the subcommands take arguments.
 std::vector<std::string> synopsis(const CommandRow& command) {
     const std::string name = "\\fBlostbits " + command.name;
     if (command.commands.empty()) return {name + "\\fR" + words_after(command)};
@@ -78,7 +78,7 @@ std::string manual_page(const Command& program, const std::string& version, cons
         text += paragraphs(command.arguments) + paragraphs(command.options);
     }
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
-    // The sections of the footer, whose headings end with a colon.
+    // Adds the sections of the footer; their headings end with a colon.
     std::string section;
     std::istringstream lines(footer);
     for (std::string line; std::getline(lines, line);) {

@@ -8,7 +8,7 @@ namespace lostbits::analysis::shell {
 
 namespace {
 
-/// Options and arguments whose values `lostbits list` knows, and those that are files.
+/// The values of an option or argument that names files or rows of `lostbits list`.
 Values known_values(const std::string& name) {
     using Kind = Values::Kind;
     struct Known {
@@ -32,8 +32,8 @@ Values known_values(const std::string& name) {
     return found == std::end(known) ? Values{} : found->values;
 }
 
-/// The words of a set that the option is checked against: its type shows them as `TEXT:{none,csv}`, and as
-/// `ENUM:value in {bar->1,none->2} OR {1,2}` where words are mapped.
+/// The allowed words of an option. Its type shows them as `TEXT:{none,csv}` or, if they are mapped to numbers, as
+/// `ENUM:value in {bar->1,none->2} OR {1,2}`.
 std::vector<std::string> set_of(const Option& option) {
     const std::string type = option.type();
     const auto open = type.find('{'), close = type.find('}');
@@ -68,7 +68,7 @@ void add_options(const Command& command, std::vector<OptionRow>& options, std::v
     for (const Command& group : command.groups()) add_options(group, options, arguments);
 }
 
-/// Those that are not there yet.
+/// Adds the options that are not in the list yet.
 void add_new(const std::vector<OptionRow>& more, std::vector<OptionRow>& options) {
     for (const OptionRow& row : more) {
         if (std::ranges::find(options, row.names, &OptionRow::names) == options.end()) options.push_back(row);

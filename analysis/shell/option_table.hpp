@@ -1,5 +1,5 @@
-// The options of the program as a table, what the parser itself was told, and what is made of it: scripts that complete
-// its words, and its manual page.
+// A table of the program's options, read from the parser, and what is made from it: completion scripts for shells, and
+// the manual page.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace lostbits::analysis::shell {
 
-/// What can stand for a value.
+/// The values that an option or argument takes.
 struct Values {
     enum class Kind { anything, words, names, files, folders };
     Kind kind = Kind::anything;
-    std::vector<std::string> words;  ///< these; of `names` what `lostbits list` lists: `forms`
+    std::vector<std::string> words;  ///< the values; for `names`, the lists of `lostbits list`: `forms`
 };
 
 struct OptionRow {
-    std::vector<std::string> names;  ///< `-i`, `--intersector`; of an argument its one name: SCENE
+    std::vector<std::string> names;  ///< `-i`, `--intersector`; an argument has one: SCENE
     std::string help;
     bool takes_value = false;
     bool several = false;  ///< between commas, or one argument after another
@@ -27,24 +27,24 @@ struct OptionRow {
 
 struct CommandRow {
     std::string name, help;
-    std::vector<OptionRow> options, arguments;  ///< of its own commands, too
-    std::vector<CommandRow> commands;           ///< of its own: `plugin check`
+    std::vector<OptionRow> options, arguments;  ///< with those of its subcommands
+    std::vector<CommandRow> commands;           ///< subcommands: `plugin check`
 
     [[nodiscard]] std::vector<std::string> names_of_commands() const;
 };
 
-/// Those of every command.
+/// The options that every command takes.
 std::vector<OptionRow> common_options(const Command& program);
-/// Those of a program, or of a command that has some.
+/// The commands of the program, or the subcommands of a command.
 std::vector<CommandRow> command_table(const Command& program);
 
-/// For bash, zsh and fish. Names of forms, scenes and so on are asked of the program when they are needed, so those of
-/// one's own data are there too.
+/// Completion scripts for bash, zsh and fish. They ask the program for names of forms, scenes and so on when they need
+/// them, so names in the user's own data are offered too.
 std::string bash_completion(const Command& program);
 std::string zsh_completion(const Command& program);
 std::string fish_completion(const Command& program);
 
-/// The manual page, in the macros of man(7): the words of `--help`, all commands on one page, and `footer`.
+/// The manual page, in the macros of man(7): the help of all commands on one page, and `footer`.
 std::string manual_page(const Command& program, const std::string& version, const std::string& footer);
 
 }  // namespace lostbits::analysis::shell

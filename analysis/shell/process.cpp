@@ -16,7 +16,8 @@ namespace {
 
 std::atomic<bool> asked_to_stop{false};
 
-/// A signal to the whole group comes twice where there is a supervisor, which hands it on: each way is counted.
+/// Handles a signal that asks to stop. A second one ends the process. With a supervisor, a signal to the whole group
+/// arrives twice, directly and passed on, so each way has its own flag.
 void ask_to_stop(int, siginfo_t* info, void*) {
     static std::atomic<bool> asked_directly{false}, asked_by_supervisor{false};
     asked_to_stop.store(true);
@@ -27,7 +28,8 @@ void ask_to_stop(int, siginfo_t* info, void*) {
     _exit(static_cast<int>(Exit::interrupted));
 }
 
-/// The process ends of the signal, as its parent expects, once this returns and the signal is let through again.
+/// Removes partial files and raises the signal again. The process dies of it, as its parent expects, when this returns
+/// and the signal is unblocked.
 void clean_up_and_end(int signal, siginfo_t*, void*) {
     output::file::remove_partial_files();
     ::signal(signal, SIG_DFL);
@@ -50,7 +52,7 @@ void open_standard_streams() {
     for (int fd = 0; fd < 3; ++fd) {
         if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
         const int opened = ::open("/dev/null", other_way_round[static_cast<unsigned>(fd)]);
-        // The lowest free number: another only where /dev/null is not there, and then any folder is as good.
+        // open takes the lowest free number, which is fd. If /dev/null does not exist, a folder does as well.
         if (opened < 0) static_cast<void>(::open("/", O_RDONLY | O_DIRECTORY));
     }
 }

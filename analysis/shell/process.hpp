@@ -1,5 +1,5 @@
-// What the process settles with the system before anything else: its streams, what signals do, and a second process
-// that waits for it: foreign code that runs in this one can end it with any status.
+// Sets up the process before anything else: its standard streams, its signal handlers, and a second process that waits
+// for it. The second process is needed because foreign code in this one can end it with any status.
 #pragma once
 
 #include <string>
@@ -8,35 +8,43 @@
 
 namespace lostbits::analysis::shell {
 
-/// Opens what is closed of standard input, output and error on /dev/null. Otherwise the next file of the run would be
-/// descriptor 1 or 2, and messages would be written into it. Each is opened the other way round: reading a closed input
-/// or writing to a closed output still fails, and is reported.
+/// Opens /dev/null in place of a standard input, output or error that is closed. Otherwise the next file of the run
+/// would get descriptor 1 or 2, and messages would be written into it. The input is opened for writing and the outputs
+/// for reading, so that reading a closed input or writing to a closed output still fails and is reported.
 void open_standard_streams();
 
-/// SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGXCPU ask the run to stop at the next safe point, by
-/// `stop_by_signal`; a second one removes partial files and leaves at once. Every other signal that ends a process
-/// removes them first. A signal that was ignored at the start (`nohup`, a job of a script in the background) stays
-/// ignored, and one that somebody handles (a sanitizer) stays theirs. A write past the file-size limit fails instead of
-/// killing the process.
+/// Installs the signal handlers.
+///   - SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGXCPU ask the run to stop at the next safe point, by
+///     `stop_by_signal`. A second one removes partial files and ends the process at once.
+///   - Every other signal that ends a process removes partial files first.
+///   - A signal that was ignored at the start (`nohup`, a background job of a script) stays ignored. A signal that
+///     already has a handler (of a sanitizer) keeps it.
+///   - A write past the file-size limit fails instead of killing the process.
 void install_signal_handlers();
 
-/// Asked by such a signal: of everything that the program does.
+/// The token that such a signal sets. It stops all work of the program.
 intersect::process::StopToken stop_by_signal();
 
-/// Divides the program in two, once: what returns is the process that does the work. The other waits for it, and never
-/// returns. It hands on what `tell_status` was told; where the work ends without that, however it ends, it says so,
-/// names `libraries`, removes half-written files and ends with Exit::environment. It hands on signals that are sent to
-/// it alone, ends what processes are left behind, and waits at most `seconds` for destructors after the work. This is
-/// against accidents: code that looks for the pipe between the two can write to it. Before there are threads.
+/// Splits the program in two processes, once. The call returns in the worker, which does the work; the supervisor waits
+/// for the worker and never returns. Call it before any thread is started. The supervisor
+///   - exits with the status that `tell_status` was given;
+///   - if the worker ends without a status, in any way: says so, names `libraries`, removes partial files and exits
+///   with
+///     Exit::environment;
+///   - passes on signals that are sent to it alone;
+///   - kills processes that the worker left behind;
+///   - waits at most `seconds` for destructors after the work.
+/// It protects from accidents only: code that looks for the pipe between the two can write to it.
 void supervise(const std::string& libraries, double seconds);
 
-/// To the waiting process, where there is one: the work ends now with this status, and what there was to say is said.
+/// Tells the supervisor, if there is one, that the work ends now with this status and that all messages are printed.
 /// Async-signal-safe.
 void tell_status(int status) noexcept;
-/// An exception that nobody catches: the status, whatever was told before. The other process says so, if there is one.
+/// Tells the supervisor of an uncaught exception; this status replaces one that was told before. The supervisor prints
+/// the message. Returns false if there is no supervisor.
 bool tell_broken(int status) noexcept;
 
-/// Whether a signal was handed on by the waiting process. One that was sent to both comes twice.
+/// True if the signal was passed on by the supervisor. A signal that was sent to both processes arrives twice.
 [[nodiscard]] bool is_from_supervisor(int sender) noexcept;
 
 }  // namespace lostbits::analysis::shell

@@ -32,17 +32,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What goes through the pipe, with the path of a file behind it where it is about one. No longer than PIPE_BUF, so
-/// that two threads' messages do not mix.
+/// A message through the pipe; for `partial_file`, the path follows it. Both together have at most PIPE_BUF bytes, so
+/// that messages of two threads do not mix.
 struct Message {
     enum Kind : std::uint32_t { status, broken, partial_file };
     std::uint64_t token;
     Kind kind;
-    std::uint32_t value;  ///< the status, or how long the path is
+    std::uint32_t value;  ///< the status, or the length of the path
 };
 constexpr std::size_t longest_path = 4096 - sizeof(Message);
 
-/// Of the process that works.
+/// What the worker knows of its supervisor; `pipe` is -1 in a program without one.
 struct Told {
     int pipe = -1;
     pid_t worker = 0, supervisor = 0;
@@ -69,20 +69,20 @@ void tell_partial(const char* path) noexcept {
 sigset_t to_hand_on() {
     sigset_t all;
     sigfillset(&all);
-    // A stopped job stops both processes, and a fault of our own here is one.
+    // Stopping a job stops both processes, and a crash of the supervisor is its own.
     for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
         sigdelset(&all, signal);
     return all;
 }
 
-/// Whether nobody reads what this program prints: `lostbits … | head` has ended its right side.
+/// True if nobody reads what this program prints: in `lostbits … | head`, head has ended.
 bool has_no_reader() {
     std::array<pollfd, 2> streams{{{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}}};
     return poll(streams.data(), streams.size(), 0) > 0 &&
            std::ranges::any_of(streams, [](const pollfd& stream) { return (stream.revents & POLLERR) != 0; });
 }
 
-/// The process that waits.
+/// The process that waits for the worker.
 class Supervisor {
 public:
     Supervisor(int pipe, std::uint64_t token, pid_t worker, std::string libraries, double seconds)
@@ -121,8 +121,8 @@ private:
         return false;
     }
 
-    /// Nothing keeps to a time limit in a worker that stopped itself. Only the time that this process sees counts: what
-    /// a terminal stops is the whole job, this process with it.
+    /// Kills a worker that has been stopped for longer than the limit, since a stopped worker enforces no time limit.
+    /// Only time in which the supervisor runs counts: a terminal stops the whole job, and the supervisor with it.
     void end_where_stopped() {
         const auto now = Clock::now();
         if (is_stopped_) stopped_for_ += std::min<Clock::duration>(now - looked_at_, std::chrono::seconds(1));
@@ -137,7 +137,7 @@ private:
             const auto signal = static_cast<int>(info.ssi_signo);
             if (signal == SIGCHLD) continue;
             heard_.insert(signal);
-            // The terminal and the kernel tell both processes.
+            // The terminal and the kernel signal both processes, so only signals from a process are passed on.
             if (info.ssi_code == SI_USER || info.ssi_code == SI_QUEUE || info.ssi_code == SI_TKILL)
                 kill(worker_, signal);
         }
@@ -162,7 +162,7 @@ private:
         unread_.erase(0, at);
     }
 
-    /// Copies of the worker, and what it or they started: they are this process's children now.
+    /// Kills the processes that the worker, or a copy of it, started. They are children of this process now.
     static void end_what_is_left() {
         const auto until = Clock::now() + std::chrono::seconds(5);
         while (Clock::now() < until) {
@@ -177,7 +177,7 @@ private:
         if (status_ && WIFEXITED(how_) && !is_broken_) _exit(*status_);
         for (const std::string& path : partial_) unlink(path.c_str());
         const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
-        // Somebody ended it, from outside, or by not reading what it prints.
+        // The worker was ended from outside, or because nobody reads what it prints: die of the same signal.
         if (!status_ && (heard_.contains(signal) || (signal == SIGPIPE && has_no_reader()))) {
             ::signal(signal, SIG_DFL);
             sigset_t one;
@@ -186,10 +186,9 @@ private:
             raise(signal);
             sigprocmask(SIG_UNBLOCK, &one, nullptr);
         }
-        const std::string text = fmt::format(
-            "lostbits: {}: {}; try --isolate, which runs a library in a process of "
-            "its own\n",
-            libraries_, what_happened(signal));
+        const std::string text =
+            fmt::format("lostbits: {}: {}; try --isolate, which runs each library in its own process\n", libraries_,
+                        what_happened(signal));
         const std::string safe = output::file::terminal_text(text);
         static_cast<void>(write(STDERR_FILENO, safe.data(), safe.size()));
         _exit(is_broken_ ? *status_ : static_cast<int>(Exit::environment));
@@ -198,19 +197,18 @@ private:
     [[nodiscard]] std::string what_happened(int signal) const {
         const char* const named = signal != 0 ? strsignal(signal) : "";
         if (is_broken_)
-            return "an exception that nobody caught ended the program: in a thread that the library started, or while "
-                   "it was loaded or left";
-        if (was_slow_) return "hangs while the program ends: its destructors, or what it told atexit() to call";
+            return "an uncaught exception ended the program: in a thread that the library started, or while it was "
+                   "loaded or unloaded";
+        if (was_slow_) return "hangs while the program ends, in a destructor or a function given to atexit()";
         if (status_)
             return fmt::format(
-                "crashed while the program ended (signal {}, {}): a destructor, or what atexit() was "
-                "told to call; the results before it are whole",
+                "crashed while the program ended (signal {}, {}), in a destructor or a function given to atexit(); "
+                "the results are complete",
                 signal, named);
         if (was_stopped_)
             return fmt::format(
-                "stopped the program (as SIGSTOP does), and nobody let it go on within {:g} seconds; its results are "
-                "not "
-                "complete",
+                "stopped the program (as SIGSTOP does), and nothing continued it within {:g} seconds; its results are "
+                "not complete",
                 patience_.count());
         if (signal == SIGKILL) return "the program was killed in the middle of its work, perhaps for lack of memory";
         if (signal != 0)
@@ -219,8 +217,8 @@ private:
                 "library started; its results are not complete",
                 signal, named);
         return fmt::format(
-            "ended the program in the middle of its work, by _exit(), quick_exit() or the like, or closed descriptors "
-            "that are the program's own (status {}); its results are not complete",
+            "ended the program in the middle of its work, by _exit(), quick_exit() or the like, or closed file "
+            "descriptors of the program (status {}); its results are not complete",
             WEXITSTATUS(how_));
     }
 
@@ -232,7 +230,7 @@ private:
     Clock::time_point told_at_{}, looked_at_ = Clock::now();
     Clock::duration stopped_for_{};
     std::optional<int> status_;
-    std::vector<std::string> partial_;  ///< many have got their final names since
+    std::vector<std::string> partial_;  ///< told so far; many have their final names by now
     std::set<int> heard_;
     bool was_slow_ = false, is_broken_ = false, is_stopped_ = false, was_stopped_ = false;
 };
@@ -252,11 +250,11 @@ void supervise(const std::string& libraries, double seconds) {
     if (std::fflush(stdout) != 0 || pipe2(ends.data(), O_CLOEXEC) != 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
     const Told ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
-    signal(SIGCHLD, SIG_DFL);  // ignored, it would take away how the worker ended
+    signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid could not tell how the worker ended
     const sigset_t signals = to_hand_on();
     sigset_t before;
     sigprocmask(SIG_BLOCK, &signals, &before);
-    prctl(PR_SET_CHILD_SUBREAPER, 1);  // before: the worker may be quicker than what follows here
+    prctl(PR_SET_CHILD_SUBREAPER, 1);  // before fork: the worker may start processes at once
     const pid_t worker = fork();
     if (worker < 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno) +

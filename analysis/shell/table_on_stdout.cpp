@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit", "--save", "--moves"};
 
-/// The table of a run: the first of these that it wrote.
+/// The tables of runs. The table of a run is the first of these that it wrote.
 constexpr std::array<std::string_view, 9> tables{"summary.csv", "samples.csv",    "cases.csv",
                                                  "worst.csv",   "statements.csv", "pareto.csv",
                                                  "choose.csv",  "mend.csv",       "claims.csv"};
@@ -61,7 +61,7 @@ void TableOnStdout::redirect(bool to_nothing) {
     stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
     const int instead = to_nothing ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
     if (stdout_ < 0 || instead < 0 || dup2(instead, STDOUT_FILENO) < 0)
-        throw EnvironmentError("standard output: is closed, and the table was to go there");
+        throw EnvironmentError("standard output: is closed, so the table cannot be written to it");
 }
 
 fs::path TableOnStdout::table() const {
@@ -73,12 +73,12 @@ fs::path TableOnStdout::table() const {
         }
         if (found.size() > 1)
             throw InputError(
-                fmt::format("-o -: standard output takes one table, and `{}` makes {}; name one subject, "
-                            "or a folder",
+                fmt::format("-o -: standard output takes one table, and `{}` makes {}; name one subject, or give -o a "
+                            "folder",
                             command_, found.size()));
         if (!found.empty()) return found.front();
     }
-    throw InputError(fmt::format("-o -: `{}` has written no table; name a folder", command_));
+    throw InputError(fmt::format("-o -: `{}` has written no table; give -o a folder", command_));
 }
 
 void TableOnStdout::write() {
@@ -88,7 +88,7 @@ void TableOnStdout::write() {
     ::close(stdout_);
     const fs::path file = table();
     std::ifstream in(file, std::ios::binary);
-    // A reader that has gone (`| head`) ends the program with SIGPIPE, but not before its folder is removed.
+    // If the reader has ended (`| head`), end with SIGPIPE, but remove the folder first.
     const auto usual = std::signal(SIGPIPE, SIG_IGN);
     std::array<char, 65536> bytes{};
     while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)

@@ -1,4 +1,4 @@
-// `-o -`: the table of a run on standard output, and nothing else.
+// Writes the table of a run to standard output, and nothing else (`-o -`).
 #pragma once
 
 #include <filesystem>
@@ -8,17 +8,18 @@
 
 namespace lostbits::analysis::shell {
 
-/// Where an output is called `-`, the run writes into a folder of its own that goes away, and its table goes to
-/// standard output. What else the run says there goes to standard error, and the names of files in that folder nowhere.
+/// If an output is called `-`, the run writes into a temporary folder, and its table goes to standard output. If the
+/// output is a file, other text on standard output goes to standard error; if it is a folder, that text, which names
+/// files in the temporary folder, is dropped.
 class TableOnStdout {
 public:
-    /// Looks for `-` among the outputs of the command that was named. InputError where two are.
+    /// Looks for `-` among the outputs of the given command. Throws InputError if there are two.
     explicit TableOnStdout(const Command& program);
     ~TableOnStdout();
     TableOnStdout(const TableOnStdout&) = delete;
     TableOnStdout& operator=(const TableOnStdout&) = delete;
 
-    /// Writes the table. InputError where the run made several, or none.
+    /// Writes the table. Throws InputError if the run made several, or none.
     void write();
 
 private:
@@ -27,7 +28,7 @@ private:
 
     std::string command_;
     bool is_folder_ = false;
-    std::filesystem::path scratch_;  // empty: nothing is called `-`
+    std::filesystem::path scratch_;  // empty: no output is called `-`
     int stdout_ = -1;                // the descriptor that was standard output
 };
 

@@ -13,7 +13,7 @@ namespace lostbits::analysis::shell {
 
 namespace {
 
-/// `--metrik`: an option that there is not.
+/// A message about an unknown option such as `--metrik`.
 std::string unknown_option(const Command& program, const std::string& word) {
     const Command command = program.given().back();
     std::vector<std::string> names;
@@ -28,7 +28,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
                        near ? "; did you mean --" + *near + "?" : "");
 }
 
-/// Words that nothing takes.
+/// A message about the first word that no option or argument takes.
 std::string leftover(const CommandLine& program, const std::string& fallback) {
     const Command command = program.given().back();
     const bool is_program = program.given().size() == 1;
@@ -46,16 +46,15 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
         return fmt::format("{} {}: is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
                            near ? "; did you mean " + *near + "?" : "");
     return fmt::format(
-        "{}: `{}` takes no such word; an option takes one value where it stands: repeat it, or "
-        "write commas (-i A,B)",
-        word, program.given_words());
+        "{}: `{}` takes no such word; an option takes one value at a time: repeat it, or write commas (-i A,B)", word,
+        program.given_words());
 }
 
 }  // namespace
 
 std::string describe_misread(const CommandLine& program, const Misread& error) {
     const std::string text = output::file::terminal_line(error.what());
-    // A slip in a name is why something else seems to be missing.
+    // A misspelt name makes something else seem to be missing, so the name is reported.
     if (error.kind == Misread::nothing_takes_it || (error.kind == Misread::missing && !program.leftover().empty()))
         return leftover(program, text);
     const Command command = program.given().back();
@@ -63,7 +62,7 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
     const auto says = [&](Misread::Kind kind, const char* pattern) {
         return error.kind == kind && std::regex_match(text, part, std::regex(pattern));
     };
-    /// The option that is named first, of the command or of the program.
+    /// The option in the first part of the match, of the command or of the program.
     const auto option = [&] {
         const Option own = command.option(part[1]);
         return own ? own : program.option(part[1]);
@@ -71,23 +70,23 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
     if (says(Misread::missing, "A subcommand.*"))
         return fmt::format("name a command: {}", fmt::join(command.names_of_commands(), ", "));
     if (says(Misread::missing, R"(.*at most 1 options be given from \[(.*)\])"))
-        return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": only one of them can be given";
+        return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
     if (says(Misread::missing, "(.*) is required"))
         return fmt::format("{} is missing: {}", part[1].str(), option().help());
     if (says(Misread::unread, "Could not convert: (.*) = (.*)"))
-        return fmt::format("{} {}: is not a {}number that it can be", part[1].str(), part[2].str(),
+        return fmt::format("{} {}: is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
     if (says(Misread::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
     if (says(Misread::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
-        return fmt::format("{}: is given {} times, and takes one value", part[1].str(), part[2].str());
+        return fmt::format("{}: is given {} times but takes one value", part[1].str(), part[2].str());
     return text;
 }
 
 std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words) {
     std::string out;
     for (std::size_t at = 0; at < message.size(); ++at) {
-        // With what stands on either side of it in the word: whatever was cut out of a word keeps that much.
+        // A line break comes from a word if its neighbours are the same there. A piece cut out of a word keeps them.
         const auto typed = [&](const std::string& word) {
             for (std::size_t in = 0; (in = word.find('\n', in)) != std::string::npos; ++in) {
                 const bool before = in == 0 || (at > 0 && message[at - 1] == word[in - 1]);

@@ -30,7 +30,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     const auto folder = scratch / "near-benign";
     CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
     CHECK(has(r.out, "sphere.half_b f32 segment: decisions differ for "));
-    CHECK(has(r.out, "sphere.half_b f32 answers alike: beyond, end, before, short, packs, placed\n"));
+    CHECK(has(r.out, "sphere.half_b f32 gives the same answers: beyond, end, before, short, packs, placed\n"));
     std::vector<std::string> expected{"contact.png", "datapackage.json", "manifest.json", "sphere.half_b.f32.csv",
                                       "summary.csv"};
     const std::vector<std::string> checks{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"};
@@ -180,7 +180,7 @@ TEST_CASE("offsets: what a scene without points says") {
     CHECK(has(bad.out, "rays: no strategy\n"));
     const Scratch elsewhere;
     const auto empty = must("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere, ""));
-    CHECK(has(empty.err, "no point to leave"));
+    CHECK(has(empty.err, "there is no point that a next ray"));
     for (const auto& row : read_csv(elsewhere / "near-benign/summary.csv")) {
         CHECK(row.at("points") == "0");
         CHECK(row.at("self_hit_fraction").empty());

@@ -149,7 +149,7 @@ TEST_CASE("diff: folders made with other numbers are said to be, first") {
     map("--size 16x12 --set 'sphere[0].radius=1.5' -o one");
     map("--size 20x12 --set 'sphere[0].radius=1.5' -o two");
     map("--size 16x12 --set 'sphere[0].radius=1.5,camera.fov_deg=30' --exr -o three");
-    const std::string heading = "made with other numbers, which may be all that differs:\n";
+    const std::string heading = "made with other options, which may explain all differences:\n";
     CHECK(run("diff one two", scratch.path())
               .out.starts_with(heading + "  --size 16x12 in one/near-benign, 20x12 in two/near-benign\none to two: "));
     const auto other = run("diff one three", scratch.path()).out;

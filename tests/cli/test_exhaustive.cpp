@@ -98,7 +98,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         const auto r = run("-j 1 " + rows + out("parts") + more + ended_after(0.6, "TERM"), ".", "set -m; ");
         if (fs::exists(ended)) break;
         ++stops;
-        CHECK(has(r.err, "with --resume goes on from there"));
+        CHECK(has(r.err, "with --resume to continue"));
         if (!fs::exists(state)) continue;  // stopped in the first one
         CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that command again with --resume"));
         // The first one is finished, and its state says so to the run that goes on.
@@ -106,7 +106,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         CHECK(fs::exists(first_state));
         const auto joined = run("merge '" + state.string() + "' -o " + out("joined"));
         CHECK(joined.code == 2);
-        CHECK(has(joined.err, " floats of s were tried: a part is that of a run that was stopped"));
+        CHECK(has(joined.err, " floats of s were tried: one of the shards was stopped"));
     }
     if (!fs::exists(ended)) must("-q " + rows + out("parts") + " --resume");
     CHECK(stops > 0);  // none: the machine is faster than the test foresees
@@ -181,7 +181,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     // Without --resume it begins anew, and says that a state is there.
     write(good);
     const auto anew = must(sweep + " -o .", scratch.path());
-    CHECK(has(anew.err, "this one begins anew (--resume goes on)"));
+    CHECK(has(anew.err, "this run starts from the beginning (to continue that one, use --resume)"));
     CHECK_FALSE(fs::exists(scratch / "s/unfinished.state"));
 }
 

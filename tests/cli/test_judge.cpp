@@ -199,7 +199,7 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
     const std::string file = scratch.write("rays.csv", text);
     const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
-    CHECK(has(r.err, "20 numbers are not numbers of f32"));
+    CHECK(has(r.err, "20 values are not representable in f32 and were rounded"));
     const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wide.err, "--format f32"));
     CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());

@@ -102,18 +102,18 @@ TEST_CASE("decimals too short for a format are told from the bits that an answer
         return r.err;
     };
     const std::string six = "0,0,%.6g,0,0,1,1,%.6g\n", f32 = " --format f32";
-    CHECK(has(said(six.c_str(), f32), "its numbers have at most 6 digits, and a number of f32 needs 9; the bits"));
+    CHECK(has(said(six.c_str(), f32), "its numbers have at most 6 digits, but f32 needs 9; bits"));
     CHECK(has(said("0,0,%.7g,0,0,1,1,%.7g\n", f32), "at most 7 digits"));
     CHECK(has(said(six.c_str(), f32), "print with %.9g (std::setprecision(9))"));
     CHECK(said("0,0,%.9g,0,0,1,1,%.9g\n", f32).empty());
     CHECK(said("0,0,%a,0,0,1,1,%a\n", f32).empty());
     // As f64 six digits look like floats too, which would be no better.
-    CHECK(has(said(six.c_str(), ""), "at most 6 digits, and a number of f64 needs 17 (of f32 9)"));
+    CHECK(has(said(six.c_str(), ""), "at most 6 digits, but f64 needs 17 (of f32 9)"));
     CHECK_FALSE(has(said(six.c_str(), ""), "--format f32"));
-    CHECK(has(said("0,0,%.8g,0,0,1,1,%.8g\n", ""), "at most 8 digits, and a number of f64 needs 17"));
+    CHECK(has(said("0,0,%.8g,0,0,1,1,%.8g\n", ""), "at most 8 digits, but f64 needs 17"));
     // Nine digits, or as many of a float, look like floats.
     for (const char* pattern : {"0,0,%.9g,0,0,1,1,%.9g\n", "0,0,%.17g,0,0,1,1,%.17g\n"}) {
-        CHECK(has(said(pattern, ""), "is a number of f32, exactly or as a decimal of it"));
+        CHECK(has(said(pattern, ""), "are numbers of f32, exactly or as decimals of f32"));
         CHECK(has(said(pattern, ""), "--format f32"));
         CHECK_FALSE(has(said(pattern, ""), "digits"));
     }

@@ -42,7 +42,7 @@ TEST_CASE("without -i a scene of several shapes is measured by the plain set, wh
     const Scratch scratch;
     const auto r = must(floor_map + into(scratch));
     CHECK(has(r.err,
-              "it has spheres and boxes, which are measured by a form for each; without -i by "
+              "it has spheres and boxes, so it is measured with sets of one form for each; without -i that is "
               "sphere.schoolbook+box.inclusive alone"));
     CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }

@@ -165,7 +165,7 @@ TEST_CASE("shards of claims judge nothing by themselves") {
         CHECK(r.code == 2);
         CHECK(has(r.err, what));
     };
-    says("--shard 1/2", "needs the folder of the shards; add --report DIR");
+    says("--shard 1/2", "needs a folder for the shards; add --report DIR");
     says("--shard 1/2 --report '" + (scratch / "r").string() + "' --junit x.xml", "a shard judges nothing");
     CHECK(scratch.files().empty());
     const fs::path parts = scratch / "parts", junit = scratch / "junit.xml";
@@ -199,9 +199,9 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
     refused("merge" + folder(1) + folder(3), "2 of 4 shards are missing: 2 and 4; nothing was joined");
     refused("merge" + folder(1) + folder(2) + folder(3), "1 of 4 shards is missing: 4; nothing was joined");
     refused("merge" + folder(1) + folder(2) + folder(3), " --shard 4/4` for it, with the -o of the others");
-    refused("merge " + shell_word(scratch / "nowhere"), "there is no such folder");
+    refused("merge " + shell_word(scratch / "nowhere"), "does not exist");
     fs::create_directories(scratch / "empty");
-    refused("merge " + shell_word(scratch / "empty"), "holds no shard");
+    refused("merge " + shell_word(scratch / "empty"), "has no shard");
     fs::create_directories(scratch / "copy");
     fs::copy(shard_folder(parts, 2, 4), scratch / "copy/again");
     refused("merge " + shell_word(parts) + " " + shell_word(scratch / "copy"), "is shard 2/4, and so is");
@@ -228,10 +228,10 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
 
     // The sweep has changed since.
     scratch.write("s.toml", every_float + "# changed\n");
-    refused("merge " + shell_word(parts), "have changed since");
+    refused("merge " + shell_word(parts), "have changed: a scene");
     must("-q " + command + " --shard 2/4 -o " + shell_word(scratch / "newer"));
     refused("merge" + folder(1) + folder(3) + folder(4) + " " + shell_word(scratch / "newer"),
-            "was measured from other files");
+            "was measured with other files");
 }
 
 TEST_CASE("a forged shard is refused before the first result") {

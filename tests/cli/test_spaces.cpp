@@ -135,7 +135,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
               "a matrix has no m02"));
     CHECK(
         has(run("judge '" + file + "' --sphere 0,0,0,1 --sphere 0,0,3,1 -i sphere.unified" + into(folder, "out/f")).err,
-            "one solid is to be given"));
+            "give one primitive for all rays"));
 }
 
 TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {
@@ -144,7 +144,7 @@ TEST_CASE("trade has the price of a space on a scene, and says why it has none a
     must("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::space::spaces().size());
-    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "under no matrix"));
+    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));
 }
 
 TEST_CASE("a map behind boxes tells the level that loses a hit") {

@@ -124,8 +124,8 @@ TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
     const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
     const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";
     const std::string unseen =  // as small a sphere lies between the rays
-        "lostbits: scene s: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, look_at and "
-        "width or fov\n";
+        "lostbits: scene s: no ray of its camera meets a primitive, so every pixel is a miss; check its eye, look_at "
+        "and width or fov\n";
     for (const std::string command : {"map ", "render "}) {
         const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
         CHECK(said(asked) == note + (command == "map " ? unseen : ""));

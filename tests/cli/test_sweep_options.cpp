@@ -149,7 +149,7 @@ TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     const auto r = run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out" + ended_after(1.5, "TERM"),
                        scratch.path(), "set -m; ");
     CHECK(r.code == 130);
-    CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
+    CHECK(has(r.err, "interrupted in the steps of s: the results of this sweep are lost"));
     CHECK_FALSE(has(r.err, "scenes"));
 }
 

@@ -64,7 +64,7 @@ TEST_CASE("plugin: explain says what a form that is named beside is worth, and y
               "odd.predicate answers no, and the ray misses: a correct miss."));
     const Outcome worst = run("explain camera-inside --size 16x12 --worst -i odd.predicate" + with, folder.path());
     CHECK(worst.code == 2);
-    CHECK(has(worst.err, "it decides every ray correctly, and tells no t that could be off: it answers yes or no"));
+    CHECK(has(worst.err, "it decides every ray correctly, and it returns no t that could have an error"));
 }
 
 TEST_CASE("plugin: two builds of one library are in one run, each under a name", "[doors]") {

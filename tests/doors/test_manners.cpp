@@ -174,8 +174,7 @@ TEST_CASE("manners: descriptors that are the program's own and are closed end it
                      if (way.isolated && manner.ends_with("files")) return;
                      CHECK(ran.outcome.code == 3);
                      CHECK(has(ran.outcome.err, "ill_mannered.so"));
-                     if (manner.ends_with("files"))
-                         CHECK(has(ran.outcome.err, "descriptors that are the program's own"));
+                     if (manner.ends_with("files")) CHECK(has(ran.outcome.err, "file descriptors of the program"));
                      CHECK_FALSE(ran.has_results);
                  });
 }
@@ -204,7 +203,7 @@ TEST_CASE("manners: limits that a library lowers are the library's own affair", 
 TEST_CASE("manners: a library of formulas stays in the program, which says so", "[doors]") {
     const Scratch folder;
     const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",
-                      said = "only_march.so: holds formulas, which run in this program itself";
+                      said = "only_march.so: has formulas, so it runs in this process";
     const Outcome by_default = must(command, folder.path(), "export CI=1;");
     CHECK(has(by_default.err, said));
     for (const char* more : {"", " --in-process"}) {

@@ -153,7 +153,7 @@ TEST_CASE("pipe: plugin serve refuses what is no request", "[doors]") {
     const Outcome o = run(
         "plugin serve " + std::string(LOSTBITS_LIBRARIES) + "/schoolbook.so </etc/services >/dev/null", folder.path());
     CHECK(o.code == 2);
-    CHECK(has(o.err, "no request of lostbits-pipe/1"));
+    CHECK(has(o.err, "is not a request of lostbits-pipe/1"));
 }
 
 }  // namespace test_pipe
