@@ -209,18 +209,18 @@ LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* r
                                 lostbits_error* error);
 /* Every crossing of each ray with triangles, in its range. The triangles are those of `rays->scene`, which has no other
  * primitives, or an array that all rays share. They are closed and met from both sides, and t >= 0 counts. Table
- * `crossings`: ray and place (from 0, in the exact order of t; crossings at the same t have the same place), solid (index
- * of the triangle), t = t_hi + t_lo with a relative error of at most 2^-72, front (the ray meets the side on which the
- * corners run counter-clockwise), at_rim (it passes through an edge or a vertex). Table `rays`: resolved, for each ray;
- * 0 if no precision decided, and crossings may be missing. */
+ * `crossings`: ray and place (from 0, in the exact order of t; crossings at the same t have the same place), solid
+ * (index of the triangle), t = t_hi + t_lo with a relative error of at most 2^-72, front (the ray meets the side on
+ * which the corners run counter-clockwise), at_rim (it passes through an edge or a vertex). Table `rays`: resolved, for
+ * each ray; 0 if no precision decided, and crossings may be missing. */
 LOSTBITS_API int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
 /* Position of points (count x 3) relative to the meshes of a scene, which has no other primitives. Table `points`:
- * winding (by how many layers of the surface the point is enclosed), crossings (of the ray that was counted), on_surface,
- * resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold edges (more than two),
- * unbalanced edges (along which more faces run one way than the other), odd edges (an odd number of faces) and duplicates
- * (faces with the vertices of an earlier face). The winding does not depend on the ray if unbalanced is 0, and the parity
- * of the crossings does not if odd is 0. */
+ * winding (by how many layers of the surface the point is enclosed), crossings (of the ray that was counted),
+ * on_surface, resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold edges
+ * (more than two), unbalanced edges (along which more faces run one way than the other), odd edges (an odd number of
+ * faces) and duplicates (faces with the vertices of an earlier face). The winding does not depend on the ray if
+ * unbalanced is 0, and the parity of the crossings does not if odd is 0. */
 LOSTBITS_API int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count,
                                  const lostbits_run* run, lostbits_result** result, lostbits_error* error);
 /* Measures a sweep along axes. `sweep` is a file, its name in the data folder or, if `is_text` is not 0, its text.

@@ -7,8 +7,8 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/crossing/mesh_crossings.hpp"
 #include "measure/judge/judge.hpp"
-#include "measure/truth/mesh_crossings.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 #include "scene/rays/stored_mesh.hpp"
@@ -324,18 +324,18 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
 
 std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays all = given(rays, running);
-    const auto is_triangle = [](const Solid<double>& solid) { return solid.shape == Shape::triangle; };
+    const auto is_triangle = [](const Solid<double>& solid) { return solid.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(all.examples(), is_triangle))
         throw InputError("rays: crossings are found of triangles that all rays share; give a mesh, or triangles");
-    std::vector<measure::truth::MeshCrossings> found(rays.count);
-    by_piece(all, running, rays.count, measure::culling::least_solids,
-             [&](std::size_t first, RayGroup group, auto* culler) {
-                 const auto solids = scene::rays::solid_list_of(group);
-                 for (std::size_t i = 0; i < group.rays.size(); ++i)
-                     found[first + i] =
-                         measure::truth::crossings_of(group.rays[i], {solids, culler ? culler->for_truth() : nullptr},
-                                                      group.rays.range(i), {.stop = running.stop()});
-             });
+    std::vector<measure::crossing::MeshCrossings> found(rays.count);
+    by_piece(
+        all, running, rays.count, measure::culling::least_solids, [&](std::size_t first, RayGroup group, auto* culler) {
+            const auto solids = scene::rays::solid_list_of(group);
+            for (std::size_t i = 0; i < group.rays.size(); ++i)
+                found[first + i] =
+                    measure::crossing::crossings_of(group.rays[i], {solids, culler ? culler->for_truth() : nullptr},
+                                                    group.rays.range(i), {.stop = running.stop()});
+        });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "crossings",
@@ -351,7 +351,7 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
         "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
     for (std::size_t i = 0; i < found.size(); ++i) {
         resolved.columns[0].numbers.push_back(found[i].is_resolved ? 1 : 0);
-        for (const measure::truth::MeshCrossing& one : found[i].in_order) {
+        for (const measure::crossing::MeshCrossing& one : found[i].in_order) {
             table.columns[0].numbers.push_back(static_cast<double>(i));
             table.columns[1].numbers.push_back(one.place);
             table.columns[2].numbers.push_back(one.triangle);
@@ -393,7 +393,7 @@ std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lost
     group.mesh = mesh;
     const auto solids = scene::rays::solid_list_of(group);
     const measure::culling::Culler culler(solids);
-    std::vector<measure::truth::PointInMesh> found(count);
+    std::vector<measure::crossing::PointInMesh> found(count);
     const auto advance = running.advancing(count);
     constexpr std::size_t piece = 1024;
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
@@ -403,7 +403,7 @@ std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lost
             for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
             if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
                 throw InputError("point " + std::to_string(i) + " has a number that is not finite");
-            found[i] = measure::truth::place_in_mesh(point, {solids, culler.for_truth()}, {.stop = running.stop()});
+            found[i] = measure::crossing::place_in_mesh(point, {solids, culler.for_truth()}, {.stop = running.stop()});
         }
         advance(n);
     });
@@ -414,7 +414,7 @@ std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lost
                       {"crossings", "integer", "", "of the ray that was counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
-    for (const measure::truth::PointInMesh& one : found) {
+    for (const measure::crossing::PointInMesh& one : found) {
         table.columns[0].numbers.push_back(one.winding);
         table.columns[1].numbers.push_back(one.crossings);
         table.columns[2].numbers.push_back(one.on_surface ? 1 : 0);

@@ -24,7 +24,7 @@ struct Passing {
 
 Passing passing_of(const Ray<double>& ray, const Solid<double>& triangle) {
     return in_its_space<Triangle>(
-        lift_ray<Real>(ray), lift_solid<Real>(triangle), [](const Triangle<Real>& shape, const Ray<Real>& its) {
+        lift_ray<Real>(ray), lift_solid<Real>(triangle), [](const auto& shape, const Ray<Real>& its) {
             const FlatSpan<Real> span = shape.span(its);
             if (span.at.m == 0) return Passing{};
             const Vec<Real> w = shape.weights(its);  // over an edge's length: the height above it, over the same area

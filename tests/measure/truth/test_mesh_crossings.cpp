@@ -8,17 +8,17 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "measure/crossing/mesh_crossings.hpp"
 #include "measure/culling/box_tree.hpp"
-#include "measure/truth/mesh_crossings.hpp"
 #include "scene/rays/random.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::test::test_mesh_crossings {
 
+using measure::crossing::crossings_of;
+using measure::crossing::place_in_mesh;
+using measure::crossing::Triangles;
 using measure::culling::BoxTree;
-using measure::truth::crossings_of;
-using measure::truth::place_in_mesh;
-using measure::truth::Triangles;
 using scene::rays::SolidList;
 using Whole = std::int64_t;
 using Point = std::array<Whole, 3>;

@@ -7,7 +7,7 @@
 #include "measure/culling/culling.hpp"
 #include "measure/truth/truth.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::crossing {
 
 /// Triangles and the index that finds those that a ray can meet. Index null: every triangle is tested.
 struct Triangles {
@@ -19,7 +19,7 @@ struct Triangles {
 struct MeshCrossing {
     std::uint32_t triangle = 0;
     int place = 0;        ///< in the order of t, from 0; crossings at the same t have the same place
-    Certified t;          ///< in lengths of the direction
+    truth::Certified t;   ///< in lengths of the direction
     bool front = false;   ///< the ray comes from the side on which the corners run counter-clockwise
     bool at_rim = false;  ///< it passes through an edge or a vertex
 };
@@ -33,7 +33,7 @@ struct MeshCrossings {
 /// Finds every crossing with t in `range`. Decisions and the order of t are signs of dyadic polynomials, so that a tie
 /// is a tie of the exact numbers. A ray in the plane of a triangle does not cross it.
 MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const Range<double>& range = {},
-                           TruthLimit limit = {});
+                           truth::TruthLimit limit = {});
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {
@@ -53,6 +53,6 @@ struct PointInMesh {
 /// whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every edge has an even
 /// number of faces (`MeshEdges::odd` = 0), the same holds modulo 2 for the number of crossings, however the faces are
 /// turned.
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit = {});
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, truth::TruthLimit limit = {});
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::crossing

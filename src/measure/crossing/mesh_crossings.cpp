@@ -1,4 +1,4 @@
-#include "measure/truth/mesh_crossings.hpp"
+#include "measure/crossing/mesh_crossings.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,10 @@
 #include "number/error.hpp"
 #include "shapes/lift.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::crossing {
+
+using truth::by_rising_precision, truth::find_truth, truth::is_proper, truth::sign;
+using truth::Truth, truth::TruthLimit;
 
 namespace {
 
@@ -23,8 +26,13 @@ struct Passage {
 };
 
 template <class E>
+FlatSpan<E> lifted_span(const Ray<double>& ray, const Solid<double>& triangle) {
+    return span_of<Triangle>(lift_ray<E>(ray), lift_solid<E>(triangle));
+}
+
+template <class E>
 std::optional<Passage> find_passage(const Ray<double>& ray, const Solid<double>& triangle) {
-    const auto span = span_of<Triangle>(lift_ray<E>(ray), lift_solid<E>(triangle));
+    const FlatSpan<E> span = lifted_span<E>(ray, triangle);
     if (sign(span.at.m) == 0) return Passage{.by = Passage::By::in_plane};
     if (span.closed.is_no()) return Passage{};
     if (!span.closed.is_yes() || span.open.is_unknown()) return std::nullopt;
@@ -42,8 +50,7 @@ std::optional<Passage> passage(const Ray<double>& ray, const Solid<double>& tria
 /// Order of the t of two crossings, −1, 0 or 1, by n/m of their spans, m > 0.
 std::optional<int> order_of_t(const Ray<double>& ray, const Solid<double>& a, const Solid<double>& b) {
     return by_rising_precision([&]<class E>() {
-        const auto its = lift_ray<E>(ray);
-        const auto x = span_of<Triangle>(its, lift_solid<E>(a)).at, y = span_of<Triangle>(its, lift_solid<E>(b)).at;
+        const Fraction<E> x = lifted_span<E>(ray, a).at, y = lifted_span<E>(ray, b).at;
         return sign<E>(x.n * y.m - y.n * x.m);
     });
 }
@@ -124,4 +131,4 @@ PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, Truth
     return {.is_resolved = false};
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::crossing
