@@ -1,0 +1,144 @@
+"""Crossings of rays with meshes, and points inside of meshes, against rational numbers."""
+
+import unittest
+from fractions import Fraction
+
+import numpy as np
+
+import lostbits as lb
+
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64)
+# Corners counter-clockwise seen from outside.
+FACES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+                  [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+
+
+def exact(point):
+    return [Fraction(float(x)) for x in point]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def less(a, b):
+    return [x - y for x, y in zip(a, b)]
+
+
+def crossing(o, d, corners):
+    """(t, front, at_rim) of a ray and a triangle, or None."""
+    a, b, c = (less(exact(p), exact(o)) for p in corners)
+    d = exact(d)
+    normal = cross(less(b, a), less(c, a))
+    m = dot(d, normal)
+    if m == 0:
+        return None
+    sides = [dot(d, e) / m for e in (cross(b, c), cross(c, a), cross(a, b))]
+    t = dot(a, normal) / m
+    return (t, m < 0, min(sides) == 0) if min(sides) >= 0 and t >= 0 else None
+
+
+def rays(count, seed):
+    draw = np.random.default_rng(seed)
+    o = draw.integers(-6, 7, (count, 3)) * draw.choice([0.25, 0.5, 1], (count, 1))
+    d = draw.integers(-4, 5, (count, 3)).astype(np.float64)
+    d[~d.any(axis=1)] = [1, 0, 0]
+    return o, d
+
+
+class Hits(unittest.TestCase):
+    def same(self, o, d, vertices, faces, found):
+        self.assertTrue(found.resolved.all())
+        for i in range(len(o)):
+            expected = []
+            for k, face in enumerate(faces):
+                met = crossing(o[i], d[i], vertices[face])
+                if met is not None:
+                    expected.append((met[0], k, met[1], met[2]))
+            expected.sort()
+            at = found.of(i)
+            self.assertEqual(list(found.solid[at]), [k for _, k, _, _ in expected])
+            self.assertEqual(list(found.front[at]), [front for _, _, front, _ in expected])
+            self.assertEqual(list(found.at_rim[at]), [rim for _, _, _, rim in expected])
+            places = {t: place for place, t in enumerate(sorted({t for t, _, _, _ in expected}))}
+            self.assertEqual(list(found.place[at]), [places[t] for t, _, _, _ in expected])
+            for t, lo, (true, _, _, _) in zip(found.t[at], found.t_lo[at], expected):
+                self.assertEqual(t, float(true))
+                self.assertLessEqual(abs(Fraction(t) + Fraction(lo) - true), true / 2**72)
+
+    def test_every_crossing_of_a_cube_with_a_duplicate_and_without_a_face(self):
+        o, d = rays(300, 5)
+        for faces in (FACES, FACES[1:], np.concatenate([FACES, FACES[:3]])):
+            self.same(o, d, CUBE, faces, lb.hits(o, d, (CUBE, faces)))
+
+    def test_triangles_are_taken_as_an_array_and_as_a_scene(self):
+        o, d = rays(50, 6)
+        array = lb.hits(o, d, CUBE[FACES].reshape(-1, 9))
+        scene = lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3},
+                         mesh=(CUBE, FACES))
+        for other in (lb.hits(o, d, scene), lb.hits(o, d, (CUBE, FACES), threads=1)):
+            for name in ("ray", "place", "solid", "t", "t_lo", "front", "at_rim"):
+                np.testing.assert_array_equal(getattr(array, name), getattr(other, name))
+
+    def test_numbers_that_float32_does_not_hold_stay_as_they_are(self):
+        o, d = np.array([[0.1, 0.2, 5]]), np.array([[0, 0, -1.0]])
+        found = lb.hits(o, d, (CUBE * 0.3, FACES))
+        self.assertEqual(found.t[0], float(Fraction(5) - Fraction(0.3)))
+
+    def test_a_range_takes_what_lies_in_it(self):
+        o, d = np.array([[0.25, 0.5, 5]]), np.array([[0, 0, -1.0]])
+        four = np.array([4.0])
+        self.assertEqual(list(lb.hits(o, d, (CUBE, FACES)).t), [4, 6])
+        self.assertEqual(list(lb.hits(o, d, (CUBE, FACES), tmin=four).t), [4, 6])
+        self.assertEqual(list(lb.hits(o, d, (CUBE, FACES), tmin=four, open_ends="tmin").t), [6])
+        self.assertEqual(list(lb.hits(o, d, (CUBE, FACES), tmax=four).t), [4])
+
+    def test_other_primitives_are_refused(self):
+        scene = lb.scene("near-benign")
+        with self.assertRaisesRegex(lb.InputError, "triangles"):
+            lb.hits(*rays(3, 1), scene)
+        with self.assertRaisesRegex(lb.InputError, "meshes and no other"):
+            lb.inside(CUBE, scene)
+        with self.assertRaisesRegex(lb.InputError, "not finite"):
+            lb.inside(np.array([[0, np.nan, 0]]), (CUBE, FACES))
+        with self.assertRaisesRegex(lb.InputError, "points is None"):
+            lb.inside(None, (CUBE, FACES))
+        with self.assertRaisesRegex(lb.InputError, "vertices, faces"):
+            lb.inside(CUBE, CUBE[FACES].reshape(-1, 9))
+
+
+class Inside(unittest.TestCase):
+    def test_points_of_a_grid_in_a_cube(self):
+        points = np.array([[x, y, z] for x in range(-6, 7) for y in range(-6, 7) for z in range(-6, 7)]) / 4
+        size = np.abs(points).max(axis=1)
+        for faces, winding in ((FACES, 1), (FACES[:, ::-1], -1), (np.concatenate([FACES, FACES]), 2)):
+            found = lb.inside(points, (CUBE, faces))
+            self.assertTrue(found.resolved.all())
+            np.testing.assert_array_equal(found.on_surface, size == 1)
+            np.testing.assert_array_equal(found.winding, np.where(size < 1, winding, 0))
+            np.testing.assert_array_equal(found.inside, size < 1)
+
+    def test_what_keeps_a_mesh_from_being_closed_is_counted(self):
+        def edges(faces):
+            return lb.inside(CUBE[:1] * 0.5, (CUBE, faces)).mesh
+        self.assertEqual(edges(FACES), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 0, "odd": 0,
+                                        "duplicates": 0})
+        self.assertEqual(edges(FACES[1:]), {"edges": 18, "border": 3, "non_manifold": 0, "unbalanced": 3, "odd": 3,
+                                            "duplicates": 0})
+        twice = np.concatenate([FACES, FACES[:1]])
+        self.assertEqual(edges(twice), {"edges": 18, "border": 0, "non_manifold": 3, "unbalanced": 3, "odd": 3,
+                                        "duplicates": 1})
+        turned = FACES.copy()
+        turned[0] = turned[0, ::-1]
+        self.assertEqual(edges(turned), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 3, "odd": 0,
+                                         "duplicates": 0})
+        # The parity of crossings does not ask which way a face is turned.
+        self.assertTrue(lb.inside(np.array([[0.1, 0.2, 0.3]]), (CUBE, turned)).inside[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
