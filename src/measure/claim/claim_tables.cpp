@@ -93,6 +93,26 @@ double zero_times_infinity(const FloatFormat& f, double, std::uint64_t) {
     return yes / 4.0;
 }
 
+/// Sign of ab − cd for |ab − cd| ≤ |ab|/2; 0 may be returned where the two differ by less than 2^-105 |ab|.
+int sign_of_difference(double a, double b, double c, double d) {
+    const double p = a * b, q = c * d, left = (p - q) + (std::fma(a, b, -p) - std::fma(c, d, -q));
+    return left > 0 ? 1 : left < 0 ? -1 : 0;
+}
+
+/// ab − cd has the opposite sign: each product rounded, or the first one fused into the difference. d is one of the
+/// numbers next to ab/c, up to `apart` steps away.
+template <bool fused>
+double wrong_sign(const FloatFormat& f, double apart, std::uint64_t seed) {
+    return share(f, seed, [&](double a, const auto& unit) {
+        const double b = rounding::to_format(1 + unit(), 0, f), c = rounding::to_format(1 + unit(), 0, f);
+        const double ulp = std::ldexp(1.0, 1 - f.precision);
+        const double d = rounding::to_format(a * b / c + std::round((2 * unit() - 1) * apart) * ulp, 0, f);
+        const double cd = rounding::mul(c, d, f);
+        const double computed = fused ? rounding::fma(a, b, -cd, f) : rounding::add(rounding::mul(a, b, f), -cd, f);
+        return computed * sign_of_difference(a, b, c, d) < 0;
+    });
+}
+
 constexpr ArithmeticRow measured_rows[] = {
     {"sum", tried, sum<1>},
     {"sum_power_of_two", 0, power_of_two<1>},
@@ -101,6 +121,8 @@ constexpr ArithmeticRow measured_rows[] = {
     {"ff_minus_r2", tried, far_radius},
     {"zero_times_infinity", 0, zero_times_infinity},
     {"r2_minus_l2", tried, radius_over_l},
+    {"difference_of_products", tried, wrong_sign<false>},
+    {"fused_difference_of_products", tried, wrong_sign<true>},
 };
 
 /// The nearest t over the primitives, infinite for a miss.
