@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/selection/select.hpp"
+#include "analysis/selection/suspicions.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/choice/candidates.hpp"
@@ -156,12 +157,8 @@ Exit end_with_unproved(std::uint64_t rays) {
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
-    const auto own = intersect::table::catalogue();
-    for (const measure::evaluate::TestedForm& row : rows) {
-        if (row.form >= own.data() && row.form < own.data() + own.size()) continue;
-        const std::string words = suspicion(row);
-        if (!words.empty()) fmt::print(stderr, "lostbits: {} {}: {}\n", row.form->info->name, row.format.name, words);
-    }
+    for (const std::string& line : selection::suspicions_of(rows, suspicion))
+        fmt::print(stderr, "lostbits: {}\n", line);
 }
 
 void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,

@@ -161,7 +161,8 @@ typedef struct lostbits_run {
 
 /* Measures every chosen form and format on the pixels of a scene. Tables: `summary`, as summary.csv of `lostbits map`.
  * With `rows` also a table FORM.FORMAT for each form and format: outcome, object, truth_object, t, truth, and one
- * column per metric. */
+ * column per metric. A text for each form of the caller that is wrong on most rays: how many, and what mistake explains
+ * it. */
 LOSTBITS_API int lostbits_map(const lostbits_scene* scene, const lostbits_choice* choice, const lostbits_run* run,
                               lostbits_result** result, lostbits_error* error);
 
@@ -195,8 +196,8 @@ typedef struct lostbits_rays {
 } lostbits_rays;
 
 /* Judges answers to rays of the caller, and measures the chosen forms on these rays, as `lostbits judge` does. The
- * tables are those of lostbits_map; the answers of the caller are those of the form `file.arrays`. With `by`, the
- * summary also has rows for each of its values, and a column `by` in front. */
+ * tables and texts are those of lostbits_map; the answers of the caller are those of the form `file.arrays`. With `by`,
+ * the summary also has rows for each of its values, and a column `by` in front. */
 LOSTBITS_API int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                                 lostbits_result** result, lostbits_error* error);
 /* Answers of the chosen forms to the rays, not judged: a table FORM.FORMAT for each form and format, with hit and t

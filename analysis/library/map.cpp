@@ -1,6 +1,8 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
+#include "analysis/selection/suspicions.hpp"
 #include "measure/blame/culprits.hpp"
+#include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
@@ -44,6 +46,8 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
+    result->texts = selection::suspicions_of(
+        request.rows, [&scene](const TestedForm& row) { return measure::contract::suspicion(scene, row); });
     return result;
 }
 

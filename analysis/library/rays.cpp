@@ -3,6 +3,7 @@
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
 #include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/suspicions.hpp"
 #include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
@@ -228,6 +229,15 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
                  [](const measure::evaluate::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); }))
             summary.add_row(csv, row);
     }
+    if (const auto file = request.file_place())
+        result->texts = selection::suspicions_of({request.rows[*file]}, [&](const TestedForm&) {
+            const auto& summary_of_file = found.summaries[*file];
+            const std::string words = measure::contract::suspicion(found.first, measure::contract::Whose::file,
+                                                                   found.misses_beside_first(summary_of_file));
+            const bool has_all = found.first_are_all(summary_of_file);
+            return measure::contract::on_rays_of(whose, has_all ? found.rays : found.first.size(), found.rays,
+                                                 "of its rays that hit or should", words);
+        });
     return result;
 }
 

@@ -30,6 +30,18 @@ SHAPES = _shapes()
 COUNTS = {shape: sum(count for _, count in keys) for shape, keys in SHAPES.items()}
 
 
+PLURALS = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
+
+
+def solids_in(solids: Any, shape: str, named: dict[str, Any]) -> tuple[Any, str]:
+    """The primitives and their shape, from `solids` and `shape` or from a keyword such as `spheres`."""
+    for key in named:
+        word(key, PLURALS, "a keyword for primitives")
+    if len(named) + (solids is not None) > 1:
+        raise lib.InputError(f"primitives are given twice; leave out all but one of {', '.join(named)} and solids")
+    return (solids, shape) if not named else next((value, PLURALS[key]) for key, value in named.items())
+
+
 def word(value: Any, of: dict[str, Any], name: str) -> Any:
     """`of[value]`. Raises an InputError that lists the keys of `of` if `value` is not one of them."""
     if not isinstance(value, str) or value not in of:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
 import threading
@@ -95,7 +96,7 @@ def follow(function: Callable[..., Any], counts: Sequence[int], dtype: Any, root
             place += count
             value = np.linspace(0.25, 0.75, count).astype(dtype)[None]
             arguments.append(Traced(value, np.array([nodes])) if count > 1 else Traced(value[:, 0], np.array(nodes)))
-        names = _Names(written, function.__code__.co_filename)
+        names = _Names(written, inspect.unwrap(function).__code__.co_filename)
         with _Creating():
             sys.settrace(names)
             try:

@@ -19,6 +19,7 @@ from ._arrays import ROOTS, SHAPES, Floats, Rays, contract, word
 from ._follow import follow
 from ._tables import Table, tables_of
 from ._trace import Tape, Unfollowed
+from ._wrap import of_batches, refuse_marks, with_miss
 
 _one_thread = 4
 _formats = {"f32": (32, np.float32), "f64": (64, np.float64)}
@@ -70,7 +71,7 @@ class Intersector:
     """A numpy function as the form `py.NAME`. It can still be called as a plain function."""
 
     def __init__(self, function: Callable[..., Any], shape: str, roots: str = "first", name: str | None = None,
-                 **words: str) -> None:
+                 miss: float | None = None, per_ray: bool = False, **words: str) -> None:
         self.keys = word(shape, SHAPES, "shape")
         self.counts = [count for _, count in self.keys]
         if not callable(function):
@@ -85,6 +86,9 @@ class Intersector:
             raise lib.InputError(f"{self.name}: a form for a {shape} takes {wanted} arrays: o, d, "
                                  + ", ".join(key for key, _ in self.keys)) from None
         self.__doc__ = function.__doc__
+        self._batch = of_batches(function, self.name) if per_ray else function
+        if miss is not None and not np.isnan(lib.number(miss, "miss")):
+            self._batch = with_miss(self._batch, miss)
         self.tapes: dict[str, Tape] = {}
         meant, promised = contract(**words), word(roots, ROOTS, "roots")
         flags = meant.pop("inside", 0) | meant.pop("facing", 0) | _one_thread
@@ -130,7 +134,7 @@ class Intersector:
                 parts = np.split(np.broadcast_to(solids, (n, solids.shape[1])), np.cumsum(self.counts)[:-1], axis=1)
                 keys = [part if part.shape[1] > 1 else part[:, 0] for part in parts]
                 with np.errstate(all="ignore"):
-                    answer = self.function(rays[:, :3], rays[:, 3:], *keys)
+                    answer = self._batch(rays[:, :3], rays[:, 3:], *keys)
                 self._put(answer, n, dtype, view(b.near_far, n, 2), view(b.hit, n, 1, np.dtype(np.uint8))[:, 0])
                 return None
             except BaseException as error:  # raised again by the call that asked the library
@@ -146,7 +150,9 @@ class Intersector:
             answer = (answer, answer)
         elif not isinstance(answer, tuple) or len(answer) != 2:
             raise lib.InputError(f"{self.name}: with roots=\"both\", return a tuple of two arrays, (near, far)")
-        near_far[:, 0], near_far[:, 1] = (self._checked(each, (n,), dtype) for each in answer)
+        near, far = (self._checked(each, (n,), dtype) for each in answer)
+        refuse_marks(near, self.roots, self.name)
+        near_far[:, 0], near_far[:, 1] = near, far
         hit[:] = ~np.isnan(near_far[:, 0])
 
     def _checked(self, array: Any, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
@@ -184,7 +190,7 @@ class Intersector:
         bits, dtype = _formats[format]
         first: str | None = None
         for implicit in (False, True):
-            written, hit, t = follow(self.function, self.counts, dtype, self.roots, implicit)
+            written, hit, t = follow(self._batch, self.counts, dtype, self.roots, implicit)
             self._say(handle, bits, written, hit, t)
             wrong = self._differs(handle, format, *sample(self.shape, dtype))
             if wrong is None:
@@ -223,8 +229,8 @@ os.register_at_fork(after_in_child=_unlock_all)
 
 
 def intersector(shape: str, roots: str = "first", direction: str = "any", touching: str = "hit",
-                at_origin: str = "hit", inside: str = "usual", facing: str = "both",
-                name: str | None = None) -> Callable[[Callable[..., Any]], Intersector]:
+                at_origin: str = "hit", inside: str = "usual", facing: str = "both", name: str | None = None,
+                miss: float | None = None, per_ray: bool = False) -> Callable[[Callable[..., Any]], Intersector]:
     """Decorator that makes a numpy function a form, which lostbits can measure. The form is called `py.NAME`.
 
     The function gets whole batches of n rays and returns t:
@@ -240,6 +246,10 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
     tuple (near, far); "none", n booleans (hit or not). `touching`, `at_origin`, `inside` and `facing` say what counts
     as right in the cases that geometry leaves open, as in docs/your-own-intersector.md.
 
+    `miss`: the value that the function returns for a miss, such as -1 or np.inf, if that is not nan. `per_ray`: the
+    function gets one ray (o and d of 3 items, a number or 3 items for each key) and returns one t, or None for a miss.
+    It is called once for each ray, which takes a thousand times as long.
+
     Raises InputError for an unknown shape or option, and if the function does not take these arrays.
 
     >>> @lb.intersector("sphere", roots="near")
@@ -247,8 +257,8 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
     """
     if callable(shape):
         raise lib.InputError("intersector: the shape is missing; write it, as in @lb.intersector(\"sphere\")")
-    return lambda function: Intersector(function, shape, roots, name, direction=direction, touching=touching,
-                                        at_origin=at_origin, inside=inside, facing=facing)
+    return lambda function: Intersector(function, shape, roots, name, miss, per_ray, direction=direction,
+                                        touching=touching, at_origin=at_origin, inside=inside, facing=facing)
 
 
 Form = Union[str, Intersector]

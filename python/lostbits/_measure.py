@@ -6,15 +6,16 @@ import ctypes as c
 import json
 import os
 import tomllib
+import warnings
 from typing import Any, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._arrays import Floats, Rays, array_of
+from ._arrays import Floats, Rays, array_of, solids_in, word
 from ._forms import Asked, Form, Forms, Texts
-from ._results import Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Offsets, Sweep, Truths
+from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Offsets, Sweep, Truths
 from ._scene import Scene, scene as make_scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
@@ -44,7 +45,52 @@ def map(scene: Union[Scene, str], forms: Forms = None, formats: Texts = _both, m
     on, asked = scene_of(scene), Asked(forms, formats, metrics, pixels)
     asked.write_for(on.sample)
     _, result = asked.call("lostbits_map", on.handle.pointer, threads=threads, progress=progress)
+    _warn(result)
     return Map(tables_of(result), on.size)
+
+
+class Suspicious(UserWarning):
+    """A function, or given answers, are wrong on most rays, and what mistake would explain it."""
+
+
+def _warn(result: lib.Handle) -> None:
+    for text in texts_of(result):
+        warnings.warn(text, Suspicious, stacklevel=3)
+
+
+def check(form: Form, scene: Union[Scene, str], *, bits: float | None = None, wrong: float = 0, at: str = "max",
+          format: str = "f32", threads: int = 0) -> Checked:
+    """Tells if a form meets a requirement on the rays of a scene. The result is true if it does.
+
+    - `form`: a name, or an intersector of your own.
+    - `bits`: correct bits of t that must be kept, or None.
+    - `at`: the share of the correct hits on which they must be kept: "p50", "p99", "p99.9" or "max" (every hit).
+    - `wrong`: largest allowed fraction of rays with a wrong decision, 0 to 1. A ray whose truth is not proved counts.
+
+    The result has `.ok`, `.text` (what was required and found, and the worst pixel) and `.summary`, as lb.map.
+    """
+    shares = {"p50": 0.5, "p99": 0.01, "p99.9": 0.001, "max": 0.0}
+    fewer = word(at, shares, "at")
+    most = lib.number(wrong, "wrong")
+    if not 0 <= most <= 1:
+        raise lib.InputError(f"wrong is {wrong}; it must be a fraction of the rays, from 0 to 1")
+    if bits is not None and not 0 < lib.number(bits, "bits") <= 53:
+        raise lib.InputError(f"bits is {bits}; it must be above 0 and at most 53")
+    wished = [] if bits is None else [f"enough_bits:{float(bits)!r}"]
+    found = map(scene, form, format, wished, pixels=False, threads=threads, progress=False)
+    if len(found.summary) != 1:
+        raise lib.InputError(f"check takes one form in one format, and {len(found.summary)} were chosen; name one")
+    return Checked(found.summary, bits, fewer, most)
+
+
+def assert_keeps(form: Form, scene: Union[Scene, str], bits: float | None = None, **how: Any) -> None:
+    """Raises an AssertionError, with the text of lb.check, if a form does not meet a requirement; for tests.
+
+    >>> def test_mine(): lb.assert_keeps(mine, "near-benign", bits=16)
+    """
+    found = check(form, scene, bits=bits, **how)
+    if not found.ok:
+        raise AssertionError(found.text)
 
 
 def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None = None, solids: Any = None, *,
@@ -52,7 +98,8 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
           by: Any = None, bits: float | None = None, tolerance: float | None = None, rows: bool = True,
           threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
           matrix: Floats | None = None, open_ends: str = "none", format: str | None = None, direction: str = "any",
-          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both") -> Judgement:
+          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
+          **named: Any) -> Judgement:
     """Compares answers that other code gave to rays with the certified truth.
 
     - `o`, `d`: origins and directions, n x 3, float32 or float64. They are read in place, with any strides.
@@ -60,7 +107,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
       judged but only `forms`.
     - `hit`: n booleans, needed if t does not mark misses by nan.
     - `solids`: primitives, m x k numbers of a `shape`, which every ray may hit; with paired=True n x k, one per ray; or
-      a scene.
+      a scene. `spheres=array` is short for solids=array, shape="sphere", and so on for every shape.
     - `tmin`, `tmax`: n numbers each, the range of each ray. Both ends belong to it, except those that `open_ends` names
       ("tmin", "tmax" or "both").
     - `matrix`: n x 12 or n x 3 x 4. The transform of the primitive of each ray, from object space to the world. Needs
@@ -77,6 +124,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     The result has `.summary`, `.frame`, `.rays` (one row per ray: outcome, lost_bits, truth, ...; kept with rows=True)
     and `.of["sphere.unified", "f32"]`, the rays of one form. Raises InputError for arrays of another shape or type.
     """
+    solids, shape = solids_in(solids, shape, named)
     wished = [f"enough_bits:{bits!r}"] if bits is not None else []
     if tolerance is not None:
         wished += ["distance_error", f"tolerance:{float(tolerance)!r}"]
@@ -86,20 +134,22 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
     asked = Asked(forms, formats or own_format, [*lib.texts(metrics, "metrics"), *wished], rows)
     _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
+    _warn(result)
     tables = tables_of(result)
     if by is not None:
         tables["summary"].columns["by"].rename(given.values)
     return Judgement(tables)
 
 
-def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", format: str = "f32",
+def ask(form: Form, o: Floats, d: Floats, solids: Any = None, *, shape: str = "sphere", format: str = "f32",
         paired: bool = False, written: bool = False, tmin: Floats | None = None, tmax: Floats | None = None,
-        threads: int = 0) -> Table:
+        threads: int = 0, **named: Any) -> Table:
     """Answers of one form to rays, in any format: a table of `hit` (n booleans) and `t` (n, nan for a miss).
 
-    `o`, `d`, `solids`, `shape`, `paired`, `tmin`, `tmax`: as in lb.judge. `written`: runs the recorded operations of an
+    `o`, `d`, `solids` (or `spheres`, ...), `shape`, `paired`, `tmin`, `tmax`: as in lb.judge. `written`: runs the recorded operations of an
     intersector of your own, not the function. Formats other than f32 and f64 always do.
     """
+    solids, shape = solids_in(solids, shape, named)
     asked = Asked(form, format, written=written)
     given = Rays(o, d, solids, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
 
@@ -111,14 +161,14 @@ def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere",
     return asked.answers(given, threads=threads)
 
 
-def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
+def truth(o: Floats, d: Floats, solids: Any = None, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
           touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
           tmin: Floats | None = None, tmax: Floats | None = None, matrix: Floats | None = None,
-          open_ends: str = "none", threads: int = 0) -> Truths:
+          open_ends: str = "none", threads: int = 0, **named: Any) -> Truths:
     """Certified truth of rays.
 
     `o`, `d`: n x 3, float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre, radius),
-    or a scene. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
+    or a scene; `spheres=array`, ... as in lb.judge. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
 
     The result has one item per ray:
 
@@ -128,6 +178,7 @@ def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: b
     - `solid`: index of the primitive that is hit first, from 0; -1 for a miss.
     - `resolved`: False where hit or miss could not be decided.
     """
+    solids, shape = solids_in(solids, shape, named)
     given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
                  direction=direction, touching=touching, at_origin=at_origin, inside=inside, facing=facing)
     return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])

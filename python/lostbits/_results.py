@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from typing import Any, Iterator
 
 import numpy as np
@@ -101,6 +102,44 @@ class Map(Summarised):
             return out.getvalue()
         except EnvironmentFault:
             return None
+
+
+def _explaining(form: str, command: str) -> str:
+    """The call that explains a ray of a form of the user; a command of the program for the others."""
+    pixel = re.search(r"--pixel (\d+),(\d+)", command)
+    if not form.startswith("py.") or pixel is None:
+        return command
+    return f"lb.explain({form.removeprefix('py.')}, scene, pixel=({pixel[1]}, {pixel[2]}))"
+
+
+class Checked:
+    """Result of `check`: true if the requirement is met. `.ok`, `.text`, `.summary` (one row, as of a map)."""
+
+    wrong_names = ("false_hit", "false_miss", "not_a_number", "wrong_object", "crack", "double_hit", "out_of_order",
+                   "unresolved")
+
+    def __init__(self, summary: Table, bits: float | None, fewer: float, wrong: float) -> None:
+        self.summary = summary
+        row = {name: summary[name][0] for name in summary}
+        count = sum(int(row[name]) for name in self.wrong_names if name in row)
+        rays, hits = int(row["rays"]), int(row["agree_hit"])
+        parts = [f"decides {count} of {rays} rays wrongly, where {int(wrong * rays)} are allowed"]
+        self.ok = count <= wrong * rays
+        if bits is not None:
+            few = int(row["enough_bits_too_few"])
+            self.ok = self.ok and few <= fewer * hits and hits > 0
+            parts.append(f"keeps fewer than {bits:g} bits on {few} of {hits} correct hits, where {int(fewer * hits)} "
+                         "are allowed")
+        self.text = f"{row['form']} in {row['format']} {', and '.join(parts)}"
+        for name, words in (("fault_explain", "a wrong decision"), ("worst_explain", "the largest error of t")):
+            if row.get(name):
+                self.text += f"\n  {words}: {_explaining(str(row['form']), str(row[name]))}"
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __repr__(self) -> str:
+        return f"<lostbits check: {'ok' if self.ok else 'not met'}: {self.text}>"
 
 
 class Judgement(Summarised):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _library as lib
-from ._arrays import COUNTS, SHAPES, Floats, with_article, word
+from ._arrays import COUNTS, PLURALS, SHAPES, Floats, with_article, word
 from ._tables import Table, tables_of
 
 
@@ -68,7 +68,7 @@ def toml_text(value: Any) -> str:
 def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
           mesh: tuple[ArrayLike, ArrayLike] | None = None, transform: ArrayLike | None = None,
           size: tuple[int, int] | None = None, set: Sequence[str] = (), inputs: str = "shared",
-          data: str | None = None, **solids: Any) -> Scene:
+          data: str | None = None, shape: str = "sphere", **solids: Any) -> Scene:
     """Makes a scene by name, from a file, from text, or from arrays.
 
     With `name`:
@@ -83,7 +83,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
 
     - `camera`, as in docs/files.md: {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0], "fov_deg": 40}.
     - Primitives by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi), `triangles`
-      n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each.
+      n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each. Or `solids` with a `shape`.
     - `mesh`: (vertices n x 3, faces m x 3). Faces hold indices of vertices, from 0.
     - `transform` (4 x 4 or 3 x 4): the matrix of all primitives, from object space to the world, as it is stored. The
       primitives are not multiplied by it. Name forms with a transform method ("triangle.undivided@pbrt").
@@ -101,9 +101,11 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     changes = lib.Words(lib.texts(set, "set"), "set")
     stop = c.c_ubyte(0)
     where = c.byref(lib.Where(lib.data_folder(data), width, height, changes, c.pointer(stop)))
-    plurals = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
+    if "solids" in solids:
+        one_of = {shape: plural for plural, shape in PLURALS.items()}
+        solids.setdefault(word(shape, one_of, "shape"), solids.pop("solids"))
     for key in solids:
-        word(key, plurals, "an argument of lb.scene")
+        word(key, PLURALS, "an argument of lb.scene")
     handle = lib.Handle("scene")
     if name is not None:
         if not isinstance(name, (str, os.PathLike)):
@@ -126,10 +128,10 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
                       "[[sphere]]", "centre = [0, 0, 0]", "radius = 1", ""])
     lib.call("lostbits_scene_text", lib.in_utf8(text, "camera"), where, c.byref(handle.pointer))
     for key, value in solids.items():
-        shape = plurals[key]
-        keys = ": " + ", ".join(f"{k} {n}" for k, n in SHAPES[shape])
-        numbers = _numbers(value, key, COUNTS[shape], keys)
-        lib.call("lostbits_scene_solids", handle.pointer, shape.encode(), numbers.ctypes, c.c_size_t(len(numbers)))
+        kind = PLURALS[key]
+        keys = ": " + ", ".join(f"{k} {n}" for k, n in SHAPES[kind])
+        numbers = _numbers(value, key, COUNTS[kind], keys)
+        lib.call("lostbits_scene_solids", handle.pointer, kind.encode(), numbers.ctypes, c.c_size_t(len(numbers)))
     if mesh is not None:
         _put_mesh(handle, mesh)
     if transform is not None:

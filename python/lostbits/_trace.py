@@ -239,8 +239,11 @@ def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
     if name == "power":
         return _power(*inputs)
     with np.errstate(all="ignore"):
-        # Scalars are passed as Python numbers, whose type gives way to that of an array, as numpy's constants do.
-        given = [x.value if x.ndim or x.value.dtype == bool else x.value[()].item() for x in inputs]
+        # Scalars are passed as Python numbers, whose type gives way to that of an array, as numpy's constants do. Among
+        # scalars alone, those of a ray keep their type.
+        are_scalars = all(x.ndim == 0 for x in inputs)
+        given = [x.value if x.ndim or x.value.dtype == bool else
+                 x.value[()] if are_scalars and x.value.dtype == written.dtype else x.value[()].item() for x in inputs]
         value = np.asarray(ufunc(*given))
     if value.dtype not in (bool, written.dtype):
         raise fail(f"np.{name} gives {value.dtype}, but the rays are {written.dtype}: an array of another type takes "

@@ -1,0 +1,182 @@
+"""Functions as people have them: of one ray, with a number that means a miss; requirements for tests; keywords."""
+
+import unittest
+import warnings
+
+import numpy as np
+
+import lostbits as lb
+
+F = np.float32
+
+
+def roots(o, d, centre, radius):
+    f = o - centre
+    a, b, c = np.sum(d * d, axis=1), np.sum(f * d, axis=1), np.sum(f * f, axis=1) - radius * radius
+    disc = b * b - a * c
+    return (-b - np.sqrt(disc)) / a, disc
+
+
+def marks(value):
+    """The near root, and `value` for a miss."""
+    def near(o, d, centre, radius):
+        t, disc = roots(o, d, centre, radius)
+        return np.where(disc < 0, o.dtype.type(value), t)
+    return near
+
+
+def of_one(o, d, centre, radius):
+    f = o - centre
+    a, b, c = np.dot(d, d), np.dot(f, d), np.dot(f, f) - radius * radius
+    disc = b * b - a * c
+    return (-b - np.sqrt(disc)) / a if disc >= 0 else None
+
+
+def of_one_masked(o, d, centre, radius):
+    f = o - centre
+    a, b, c = np.dot(d, d), np.dot(f, d), np.dot(f, f) - radius * radius
+    disc = b * b - a * c
+    return np.where(disc < 0, o.dtype.type(np.nan), (-b - np.sqrt(disc)) / a)
+
+
+def small():
+    return lb.scene("near-benign", size=(48, 32))
+
+
+def form(function, **how):
+    return lb.intersector("sphere", name="f", **how)(function)
+
+
+def bits_of(m):
+    return {name: m.pixels["f", "f32"][name].tobytes() for name in ("t", "lost_bits")}
+
+
+class Misses(unittest.TestCase):
+    def test_a_number_that_means_a_miss_is_refused_with_what_to_write(self):
+        for value, word in ((-1, "-1.0"), (np.inf, "np.inf"), (-np.inf, "-np.inf"), (np.finfo(F).max, "3.4028")):
+            with self.assertRaises(lb.InputError) as caught:
+                lb.map(small(), form(marks(value)), "f32", progress=False)
+            self.assertIn(f"miss={word}", str(caught.exception))
+
+    def test_a_near_root_may_be_minus_one(self):
+        self.assertEqual(len(lb.map(small(), form(marks(-1), roots="near"), "f32", progress=False).summary), 1)
+
+    def test_it_is_a_miss_where_it_is_declared_and_is_followed(self):
+        plain = lb.map(small(), form(marks(np.nan)), "f32", ["culprit"], progress=False)
+        for value in (-1, np.inf, np.finfo(F).max):
+            m = lb.map(small(), form(marks(value), miss=value), "f32", ["culprit"], progress=False)
+            self.assertEqual(bits_of(m), bits_of(plain))
+            np.testing.assert_array_equal(m.pixels["f", "f32"].culprit, plain.pixels["f", "f32"].culprit)
+
+    def test_what_is_no_number_is_refused(self):
+        with self.assertRaisesRegex(lb.InputError, "miss"):
+            form(marks(-1), miss="none")
+
+
+class OneRay(unittest.TestCase):
+    def test_a_function_of_one_ray_is_measured_and_explained(self):
+        # Products of arrays and of numbers are summed in different orders, so that the two masked forms are compared.
+        m = lb.map(small(), form(of_one_masked, per_ray=True), "f32", ["culprit"], progress=False)
+        self.assertEqual(int(m.summary["agree_hit"][0]), int(lb.map(small(), "sphere.unified", "f32", progress=False)
+                                                             .summary["agree_hit"][0]))
+        self.assertIn("c = dot(o - centre, o - centre)", " ".join(str(x) for x in set(m.pixels["f", "f32"].culprit.ravel())))
+
+    def test_none_is_a_miss_and_a_branch_is_named(self):
+        self.assertEqual(bits_of(lb.map(small(), form(of_one, per_ray=True), "f32", progress=False)),
+                         bits_of(lb.map(small(), form(of_one_masked, per_ray=True), "f32", progress=False)))
+        with self.assertRaisesRegex(lb.Unfollowed, r"test_functions.py:\d+: `if`"):
+            lb.map(small(), form(of_one, per_ray=True), "f32", ["culprit"], progress=False)
+
+    def test_both_roots_and_decisions(self):
+        def both(o, d, centre, radius):
+            t = of_one(o, d, centre, radius)
+            return (None, None) if t is None else (t, t + o.dtype.type(1))
+
+        def hits(*ray):
+            return of_one(*ray) is not None
+        for function, promised in ((both, "both"), (hits, "none")):
+            m = lb.map(small(), form(function, per_ray=True, roots=promised), "f32", progress=False)
+            self.assertEqual(int(m.summary["false_miss"][0]), 0)
+
+    def test_another_type_and_another_kind_are_refused(self):
+        for function, words in ((lambda o, d, c, r: 2.5, "float64 where the ray is float32"),
+                                (lambda o, d, c, r: "t", "returned str for a ray"),
+                                (lambda o, d, c, r: o, "returned ndarray for a ray")):
+            with self.assertRaisesRegex(lb.InputError, words):
+                lb.map(small(), form(function, per_ray=True), "f32", progress=False)
+
+
+class Requirements(unittest.TestCase):
+    def test_a_requirement_is_met_or_said_with_numbers(self):
+        self.assertTrue(lb.check("sphere.unified", "near-benign", bits=16))
+        found = lb.check("sphere.schoolbook", "near-benign", bits=21)
+        m = lb.map("near-benign", "sphere.schoolbook", "f32", ["enough_bits:21"], pixels=False, progress=False)
+        self.assertFalse(found)
+        self.assertIn(f"on {m.summary['enough_bits_too_few'][0]} of {m.summary['agree_hit'][0]} correct hits",
+                      found.text)
+        self.assertIn("lostbits explain near-benign --pixel", found.text)
+        self.assertTrue(lb.check("sphere.schoolbook", "near-benign", bits=21, at="p50"))
+        lb.assert_keeps("sphere.unified", "near-benign", 16)
+        with self.assertRaisesRegex(AssertionError, "keeps fewer than 21 bits"):
+            lb.assert_keeps("sphere.schoolbook", "near-benign", 21)
+
+    def test_wrong_decisions_are_allowed_by_their_share(self):
+        def outside(o, d, centre, radius):
+            t, disc = roots(o, d, centre, radius)
+            return np.where(disc < radius * radius / 16, o.dtype.type(np.nan), t)
+        own = form(outside)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", lb.Suspicious)
+            summary = lb.map(small(), own, "f32", progress=False).summary
+            missed = int(summary["false_miss"][0] + summary["wrong_object"][0])
+            self.assertGreater(missed, 0)
+            self.assertFalse(lb.check(own, small()))
+            self.assertFalse(lb.check(own, small(), wrong=(missed - 0.5) / (48 * 32)))
+            self.assertTrue(lb.check(own, small(), wrong=missed / (48 * 32)))
+            self.assertIn("lb.explain(f, scene, pixel=(", lb.check(own, small()).text)
+
+    def test_what_cannot_be_required_is_refused(self):
+        for how, words in (({"bits": 0}, "bits is 0"), ({"bits": 54}, "bits is 54"), ({"wrong": 2}, "wrong is 2"),
+                           ({"at": "p42"}, "p42")):
+            with self.assertRaisesRegex(lb.InputError, words):
+                lb.check("sphere.unified", "near-benign", **how)
+        with self.assertRaisesRegex(lb.InputError, "name one"):
+            lb.check("sphere.*", small())
+
+
+class Suspicions(unittest.TestCase):
+    def test_most_answers_wrong_is_said_with_the_mistake_that_explains_it(self):
+        def doubled(o, d, centre, radius):
+            t, disc = roots(o, d, centre, radius)
+            return np.where(disc < 0, o.dtype.type(np.nan), t * o.dtype.type(2))
+        with self.assertWarnsRegex(lb.Suspicious, r"py\.f f32: .*wrong on \d+ of the \d+ rays"):
+            lb.map(small(), form(doubled), "f32", progress=False)
+        o, d, solids = small().arrays()
+        truth = lb.truth(o, d, spheres=solids)
+        with self.assertWarnsRegex(lb.Suspicious, r"wrong on \d+ of the \d+ rays"):
+            lb.judge(o, d, (2 * truth.t).astype(F), truth.hit, solids, progress=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            lb.map(small(), form(marks(np.nan)), "f32", progress=False)
+            lb.judge(o, d, truth.t.astype(F), truth.hit, solids, progress=False)
+
+
+class Keywords(unittest.TestCase):
+    def test_primitives_are_taken_by_their_plural_and_as_solids(self):
+        o, d, solids = small().arrays()
+        one = lb.truth(o, d, solids)
+        np.testing.assert_array_equal(lb.truth(o, d, spheres=solids).t, one.t)
+        np.testing.assert_array_equal(lb.ask("sphere.unified", o, d, spheres=solids).hit,
+                                      lb.ask("sphere.unified", o, d, solids).hit)
+        camera = {"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}
+        boxes = np.array([[-1.0, -1, -1, 1, 1, 1]])
+        for scene in (lb.scene(camera=camera, boxes=boxes), lb.scene(camera=camera, solids=boxes, shape="box")):
+            self.assertEqual(list(scene.rays), ["rays", "box"])
+        with self.assertRaisesRegex(lb.InputError, "given twice"):
+            lb.truth(o, d, solids, spheres=solids)
+        with self.assertRaisesRegex(lb.InputError, "spherez"):
+            lb.truth(o, d, spherez=solids)
+
+
+if __name__ == "__main__":
+    unittest.main()
