@@ -109,6 +109,8 @@ Files sweeps() {
         {"edges.toml", noted + "[edge_search]\nscene = \"near-bening\"\n"},
         {"family.toml", head + "[family]\n[[axis]]\n"},
         {"cases.toml", one_case},
+        {"range.toml", replaced(one_case, "1] }]", "1], tmin = 5, tmax = 4 }]")},
+        {"nan-range.toml", replaced(one_case, "1] }]", "1], tmin = \"nan\" }]")},
         {"search.toml", search},
         {"bit.toml", search + "metric = \"lost_bit\"\n"},
         {"culprit.toml", search + "metric = \"culprit\"\n"},
