@@ -75,6 +75,8 @@ Files scenes() {
         {"deep.gltf.toml", with_mesh("deep.gltf")},
         {"nul.obj", std::string("v -1 -1 0\nv 1 -1 0\nv 1 1 0\n\0f 1 2 3\n", 36)},
         {"nul.toml", with_mesh("nul.obj")},
+        {"goes-on.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\n# in C:\\meshes\\\nf 1 2 3\nf 1 3 2\n"},
+        {"goes-on.toml", with_mesh("goes-on.obj")},
         {"cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"},
         {"cut.toml", with_mesh("cut.stl")},
         {"outside.gltf",
