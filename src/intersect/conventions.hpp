@@ -19,7 +19,7 @@ enum class Situation : std::uint8_t {
     entering,  ///< begins on the surface and goes in; through a flat piece; toward the axis of a tube
     leaving,   ///< begins on the surface and goes out
     tangent,   ///< begins on the surface where it touches in one point
-    along,     ///< begins on a face, a cap or the side of a capsule and runs along it
+    along,     ///< begins on a straight part of the surface (a face, a cap, a side) and runs along it
     touching,  ///< touches ahead: a tangent, a face, a rim
     ending     ///< ends where it enters, or on a surface without an inside
 };
@@ -48,7 +48,7 @@ constexpr RightAnswer at_surface(AtOrigin said, bool is_exit, RightAnswer behind
 
 /// True if a line may run along the surface.
 constexpr bool has_straight_parts(Shape shape) {
-    return shape == Shape::box || shape == Shape::cylinder || shape == Shape::cone || shape == Shape::capsule;
+    return shape != Shape::sphere && shape != Shape::ellipsoid && shape != Shape::torus;
 }
 
 constexpr RightAnswer right_on_surface(Shape shape, Situation of, const Convention& asked) {
@@ -57,6 +57,8 @@ constexpr RightAnswer right_on_surface(Shape shape, Situation of, const Conventi
     const bool touches = of == Situation::tangent || of == Situation::along;
     // A ray that begins where it leaves touches a box, whose points count themselves.
     if (opened && (touches || (shape == Shape::box && of == Situation::leaving))) return RightAnswer::miss;
+    // A surface without an inside is crossed, and a ray along it crosses nothing.
+    if (of == Situation::along && !has_inside(shape)) return RightAnswer::miss;
     if (shape == Shape::box && answers_0_inside(shape, asked.inside)) return RightAnswer::origin;
     if (of == Situation::entering)
         return at_surface(asked.at_origin, is_flat(shape),

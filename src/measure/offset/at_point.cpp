@@ -54,10 +54,10 @@ double least_distance(const Vec<double>& p, const Solid<double>& solid) {
 
 }  // namespace
 
-/// The t of the next wall of the primitive that is left, ahead of the rays to one side; infinite where there is none.
-struct Walls {
-    double along_normal = 0;
-    std::vector<double> of;  ///< along each ray
+/// Far sides of the primitive that is left, ahead of the rays to one side; for rays that go into it, their way out.
+struct FarSides {
+    FarSide along_normal;
+    std::vector<FarSide> of;  ///< along each ray
 };
 
 /// One point, computed in the number type of its format.
@@ -85,9 +85,9 @@ public:
             if (is_finite(as_doubles(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
         }
         for (const Side side : both_sides) {
-            Walls& ahead = walls_[static_cast<std::size_t>(side)];
-            ahead.along_normal = wall_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
-            for (const Departure<T>& way : ways(side)) ahead.of.push_back(wall_ahead(side, as_doubles(way.w)));
+            FarSides& ahead = far_[static_cast<std::size_t>(side)];
+            ahead.along_normal = far_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
+            for (const Departure<T>& way : ways(side)) ahead.of.push_back(far_ahead(side, as_doubles(way.w)));
         }
     }
 
@@ -109,7 +109,7 @@ public:
                            .tmax = as_double(r.tmax),
                            .asks_own = r.asks_own});
         }
-        for (std::size_t k = 0; k < all.size(); ++k) find_faults(all[k], side, walls(side).of[k]);
+        for (std::size_t k = 0; k < all.size(); ++k) find_faults(all[k], side, sides_ahead(side).of[k]);
         find_faults_by_form(all, side);
         return all;
     }
@@ -117,13 +117,14 @@ public:
     [[nodiscard]] Enough judge(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
         const Vec<double> origin = as_doubles(moved<T>(leaving_->p, signed_e, leaving_->n));
-        const double wall = walls(side).along_normal;
-        if (!is_finite(origin) || e > (enters(side) ? wall : wall / 2)) return Enough::too_much;
+        const FarSide& ahead = sides_ahead(side).along_normal;
+        if (!is_finite(origin) || e > (enters(side) ? ahead.wall : ahead.from)) return Enough::too_much;
         std::vector<NewRay> all;
         for (std::size_t k = 0; k < count(side); ++k) {
             const Departure<T>& way = ways(side)[k];
             const Ray<double> ray{origin, as_doubles(way.w)};
-            if (!is_right(ray, side, walls(side).of[k])) return e > wall / 2 ? Enough::too_much : Enough::too_little;
+            if (!is_right(ray, side, sides_ahead(side).of[k]))
+                return e > ahead.from ? Enough::too_much : Enough::too_little;
             if (by_form) all.push_back({.ray = ray, .tmin = 0, .tmax = as_double(way.reach)});
         }
         if (!by_form) return Enough::enough;
@@ -172,29 +173,30 @@ private:
         return ways_[static_cast<std::size_t>(side)];
     }
     [[nodiscard]] const Solid<double>& own() const { return work_.solids_[met_.own]; }
-    [[nodiscard]] const Walls& walls(Side side) const { return walls_[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const FarSides& sides_ahead(Side side) const { return far_[static_cast<std::size_t>(side)]; }
     /// True if rays to a side go into the primitive. If it has no inside, rays to either side leave it.
     [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(own().shape); }
-    /// The t at which a ray that starts at the point truly meets the primitive next: its exit, or its next wall.
-    [[nodiscard]] double wall_ahead(Side side, const Vec<double>& w) const {
-        if (!enters(side)) return next_wall({p_, w}, own());
-        return exit_of({p_, w}, own()).value_or(std::numeric_limits<double>::infinity());
+    /// The far side ahead of a ray that starts at the point; for a ray that goes in, it begins half of the way out.
+    [[nodiscard]] FarSide far_ahead(Side side, const Vec<double>& w) const {
+        if (!enters(side)) return far_side({p_, w}, own());
+        const double exit = exit_of({p_, w}, own()).value_or(std::numeric_limits<double>::infinity());
+        return {exit / 2, exit};
     }
     /// True if the next wall lies between the point and the start of a ray.
     [[nodiscard]] bool is_behind_wall(Side side, const HalfLine& line) const {
         const Vec<double> way = line.ray.origin + line.from * line.ray.direction - p_;
-        return length(way) > 0 && wall_ahead(side, way) < 1;
+        return length(way) > 0 && far_ahead(side, way).wall < 1;
     }
 
     /// True if a ray leaves what it should leave, or, where it goes in, starts in the primitive and meets a way out.
-    [[nodiscard]] bool is_right(const Ray<double>& ray, Side side, double wall) const {
-        if (!enters(side)) return !meets_before({ray, 0}, wall / 2, own());
+    [[nodiscard]] bool is_right(const Ray<double>& ray, Side side, const FarSide& ahead) const {
+        if (!enters(side)) return !meets_before({ray, 0}, ahead.from, own());
         const Meeting met = find_meeting({ray, 0}, own());
         return !met.outside && met.meets;
     }
 
-    /// Finds the true faults of a ray. `wall` is the t of the next wall for the same direction from the point itself.
-    void find_faults(NewRay& r, Side side, double wall) const {
+    /// Finds the true faults of a ray. `ahead` is the far side for the same direction from the point itself.
+    void find_faults(NewRay& r, Side side, const FarSide& ahead) const {
         const auto add = [&r](bool is, Fault f) { r.faults |= is ? bit_of(f) : 0; };
         const HalfLine line{r.ray, r.tmin};
         if (!line.is_proper()) return add(true, Fault::not_finite);
@@ -202,16 +204,16 @@ private:
             const Meeting met = find_meeting(line, own());
             const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
             // Past the far side of a convex primitive nothing is met. Past that of a torus, the ring is met once more.
-            const bool lost = !met.meets || (met.outside && is_met_again(own()) && is_behind_wall(side, line));
+            const bool lost = !met.meets || (is_met_again(own()) && is_behind_wall(side, line));
             add(there.outside, Fault::wrong_side);
             add(r.asks_own && met.outside && !lost, Fault::self_hit);
             add(!r.asks_own || lost, Fault::lost_exit);
         } else {
             const HalfLine all{r.ray, 0};
-            add(has_inside(own().shape) ? find_meeting(all, own()).inside : meets_before(all, wall / 2, own()),
+            add(has_inside(own().shape) ? find_meeting(all, own()).inside : meets_before(all, ahead.from, own()),
                 Fault::wrong_side);
-            add(r.asks_own && meets_before(line, wall / 2, own()), Fault::self_hit);
-            add(wall < r.tmax && (!r.asks_own || is_behind_wall(side, line)), Fault::lost_occluder);
+            add(r.asks_own && meets_before(line, ahead.from, own()), Fault::self_hit);
+            add(ahead.wall < r.tmax && (!r.asks_own || is_behind_wall(side, line)), Fault::lost_occluder);
         }
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
         for (std::size_t k = 0; k < work_.solids_.size() && jump > 0; ++k) {
@@ -230,7 +232,7 @@ private:
         if (!from_p.inside && now.inside) r.faults |= bit_of(Fault::begins_in_neighbour);
     }
 
-    /// Finds the faults by the form's own arithmetic. A t beyond half of the way to the next wall belongs to that wall.
+    /// Finds the faults by the form's own arithmetic. A t beyond the beginning of the far side belongs to that side.
     void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
         const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(own().shape).info;
         scene::rays::RayBlock rays;
@@ -246,9 +248,9 @@ private:
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
             const double first = hit[k] == 0 ? truth::missing : first_told(told, r, {t[k], near[k], far[k]});
-            const double wall = enters(side) ? exit_of(r.ray, own()).value_or(0) : walls(side).of[k];
+            const double from = enters(side) ? exit_of(r.ray, own()).value_or(0) / 2 : sides_ahead(side).of[k].from;
             if (enters(side) && std::isnan(first)) r.faults |= bit_of(Fault::lost_exit_by_form);
-            else if (first < wall / 2) r.faults |= bit_of(Fault::self_hit_by_form);
+            else if (first < from) r.faults |= bit_of(Fault::self_hit_by_form);
         }
     }
 
@@ -276,7 +278,7 @@ private:
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
     std::array<std::vector<Departure<T>>, 2> ways_;
-    std::array<Walls, 2> walls_;
+    std::array<FarSides, 2> far_;
 };
 
 bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,

@@ -17,17 +17,18 @@ namespace lostbits::measure::offset {
 /// Faults of a respawned ray; it can have several at once.
 ///
 ///   self_hit            Outside: the exact half-line from the new origin, beyond t_min, meets inner points of the
-///                       primitive that it leaves, before half of the way to its next wall (`next_wall`). A surface
+///                       primitive that it leaves, before that one's far side begins (`far_side`). A surface
 ///                       without an inside is crossed there instead.
 ///                       Inside: it meets the surface at which it starts once more.
 ///   self_hit_by_form    Outside: the form's own arithmetic finds a t in (tmin, tmax) on the primitive that the ray
-///                       leaves, before half of the way to its next wall.
+///                       leaves, before that one's far side begins.
 ///                       Inside: it finds one before half of the true way to the other side.
 ///   lost_occluder       The ray starts past a neighbour: the exact ray from p meets another primitive, whose surface
 ///                       lies between p and the start of the new ray.
-///                       The next wall of the primitive that it leaves counts too, even where that is not tested.
+///                       The far wall of the primitive that it leaves counts too, even where that is not tested.
 ///   begins_in_neighbour The new ray starts inside another primitive, and p does not lie in it.
-///   lost_exit           Inside: the exact half-line meets no inner points of the primitive, or it is not tested.
+///   lost_exit           Inside: the exact half-line meets no inner points of the primitive, or only those past its
+///                       way out of it, or it is not tested.
 ///   lost_exit_by_form   Inside: the form finds no t in (tmin, tmax).
 ///   wrong_side          The new origin is an inner point of the primitive (outside), or not in it (inside); for a
 ///                       surface, it lies behind the surface.

@@ -1,7 +1,7 @@
 #include "measure/offset/half_line.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -165,27 +165,28 @@ std::optional<bool> passes(const S& s) {
 template <template <class> class Of>
 constexpr bool met_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::is_met_behind_touch;
 
-constexpr double nowhere = std::numeric_limits<double>::infinity();
-
-/// For a ray from a point of the surface. If it goes towards the axis, the point is the near root, and the far one is
-/// the next wall where it lies between the rims.
-double next_wall_of(const WallSpan<double>& s) {
+/// For a ray from a point of the surface. If it goes towards the axis, the point is the near root. The far root is the
+/// far wall if it lies between the rims.
+FarSide far_side_of(const WallSpan<double>& s) {
     const auto& side = s.solid.side;
-    if (!(side.h < 0 && s.crossing(1).closed)) return nowhere;
-    return ends_of(side)->far;
+    if (!(side.h < 0)) return {};
+    FarSide far{.from = -side.h / side.a};
+    if (s.crossing(1).closed) far.wall = ends_of(side)->far;
+    return far;
 }
-/// For a ray that goes away from the primitive, where f rises: the point is an exit, and the next crossing is an entry.
-double next_wall_of(const QuarticSpan<double>& s) {
+/// f has two dips, one for either side of the ring, or only one. The turn between two of them is a largest value, which
+/// lies outside where the line leaves the ring in between. All turns lie within the bound: for |x| ≥ 2√a (R + r) on a
+/// line that meets the ball of R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of x.
+FarSide far_side_of(const QuarticSpan<double>& s) {
+    const NearRoots<double> turns = near_roots(s.f.slope(), s.bound);
+    if (turns.count < 3) return {};
+    const double turn = turns.x[1];
+    if (!(turn > s.b) || !(s.f.at(turn) > 0)) return {};
+    FarSide far{.from = s.time(turn)};
     const NearRoots<double> roots = near_roots(s.f, s.bound);
-    if (roots.count == 0 || !(s.f.slope().at(s.b) > 0)) return nowhere;
-    int own = 0;
-    const auto distance = [&](int i) { return std::fabs(roots.x[static_cast<std::size_t>(i)] - s.b); };
-    for (int i = 1; i < roots.count; ++i)
-        if (distance(i) < distance(own)) own = i;
-    const int next = own % 2 == 1 ? own + 1 : own;  // an entry can be nearest where a stretch is very short
-    if (next >= roots.count) return nowhere;
-    const double t = s.time(roots.x[static_cast<std::size_t>(next)]);
-    return t > 0 ? t : nowhere;
+    const auto wall = std::find_if(roots.x.begin(), roots.x.begin() + roots.count, [&](double x) { return x > turn; });
+    if (wall != roots.x.begin() + roots.count) far.wall = s.time(*wall);
+    return far;
 }
 
 }  // namespace
@@ -206,12 +207,12 @@ bool meets_before(const HalfLine& line, double end, const Solid<double>& solid) 
     });
 }
 
-double next_wall(const Ray<double>& leaving, const Solid<double>& solid) {
+FarSide far_side(const Ray<double>& leaving, const Solid<double>& solid) {
     return visit_shape(solid, [&]<template <class> class Of>() {
-        if constexpr (!met_again<Of>) return nowhere;
+        if constexpr (!met_again<Of>) return FarSide{};
         else
             return in_its_space<Of>(leaving, solid, [](const Of<double>& shape, const Ray<double>& its) {
-                return next_wall_of(shape.span({shape.projected(its, its.origin), its.direction}));
+                return far_side_of(shape.span({shape.projected(its, its.origin), its.direction}));
             });
     });
 }

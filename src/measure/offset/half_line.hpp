@@ -2,6 +2,8 @@
 // proved.
 #pragma once
 
+#include <limits>
+
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {
@@ -34,10 +36,19 @@ Meeting find_meeting(const HalfLine& line, const Solid<double>& solid);
 /// crossed there, but not at a rim.
 bool meets_before(const HalfLine& line, double end, const Solid<double>& solid);
 
-/// The t at which a ray meets the primitive that it leaves once more (its next wall), from the point of the surface
-/// that is nearest to its origin; infinite where there is none. Only a torus and a tube have one. Computed in doubles:
-/// it separates a far wall from the surface that is left, and proves nothing.
-double next_wall(const Ray<double>& leaving, const Solid<double>& solid);
+/// Far side of the primitive that a ray leaves, ahead of the point of its surface that is nearest to the origin of the
+/// ray. Only a torus and a tube have one; infinite otherwise.
+struct FarSide {
+    double from = std::numeric_limits<double>::infinity();  ///< what is met at a larger t belongs to the far side
+    double wall = std::numeric_limits<double>::infinity();  ///< where it is met, if it is
+
+    friend bool operator==(const FarSide&, const FarSide&) = default;
+};
+
+/// Finds the far side. It begins where the polynomial of the surface turns along the ray: half of the way across a
+/// tube, and farthest from the part of a torus that is left and from the part across the hole, whether or not the ray
+/// meets that part. Computed in doubles: it separates a far wall from the surface that is left, and proves nothing.
+FarSide far_side(const Ray<double>& leaving, const Solid<double>& solid);
 
 /// True where a ray that has left the primitive may meet it again; false for convex and flat ones.
 bool is_met_again(const Solid<double>& solid);

@@ -85,6 +85,18 @@ std::vector<Symmetry> symmetries(bool all) {
     return found;
 }
 
+/// Refuses the range of a ray that holds no t in binary64. One that rounds to nothing in a narrower format stays, and
+/// every ray with it misses there.
+void require_range(TableReader& ray, const Range<double>& range) {
+    if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
+        ray.fail_at("tmin", "is not a finite t of 0 or more, but a ray looks ahead; write one, or leave it out for 0");
+    if (std::isnan(range.tmax))
+        ray.fail_at("tmax", "is not a t; write where the ray ends, or leave it out for a ray without end");
+    if (!range.holds_any())
+        ray.fail_at(ray.has("tmax") ? "tmax" : "tmin",
+                    "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
+}
+
 Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
     return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
 }
@@ -135,13 +147,17 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     std::ranges::stable_sort(solids, {}, [](const auto& placed) { return placed.first; });
     for (auto& [place, spec] : solids) c.solids.push_back(std::move(spec));
+    table.read("open_ends", c.open, open_ends_names);
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
         if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
+        const auto end = [](const std::vector<Quantity>& given, double otherwise) {
+            return given.empty() ? otherwise : given.front().in(binary64, 0);
+        };
+        require_range(ray, {end(c.rays.back().tmin, 0), end(c.rays.back().tmax, HUGE_VAL), c.open});
         ray.reject_unknown_keys();
     }
-    table.read("open_ends", c.open, open_ends_names);
     table.reject_unknown_keys();
     if (c.solids.empty()) toml::fail(table.where(), "a case needs " + solids_of_a_case() + "; write one of them");
     if (c.rays.empty()) toml::fail(table.where(), "a case needs rays = [{ origin, direction }, …]; write at least one");

@@ -187,6 +187,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
                           "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
         if (!told_end(solid.shape)) table.reject("tmax", no_end_words(solid.shape));
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
+        if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
         table.reject_unknown_keys();
         rays.push_back(std::move(ray));
     }

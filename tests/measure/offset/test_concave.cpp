@@ -27,11 +27,11 @@ struct Measured {
     std::vector<StrategyAtPoint> at = std::vector<StrategyAtPoint>(2 * all_strategies().size());
 
     Measured(std::string_view form, const char* format, const Solid<double>& solid, const Ray<double>& ray, double t,
-             HitPoint point = HitPoint::computed) {
+             const std::optional<Vec<double>>& light = std::nullopt) {
         const measure::evaluate::TestedForm of = row(form, format);
         const std::vector<Solid<double>> solids{solid};
         const auto strategies = all_strategies();
-        const PointWork work(of, point, solids, std::nullopt, strategies);
+        const PointWork work(of, HitPoint::computed, solids, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
     [[nodiscard]] const SideOfPoint& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
@@ -52,11 +52,37 @@ Rational ring_at(const Ray<double>& ray, double t) {
 
 }  // namespace
 
+TEST_CASE("offsets: the far side of a torus begins outside of it, between both of its parts", "[measure][offset]") {
+    test::Seeded random(66);
+    int met = 0, passed = 0;
+    for (int k = 0; k < 3000; ++k) {
+        const double round = random.uniform(-3, 3), across = 139 + 40 * std::cos(round);
+        Vec<double> w = random.vec(-1, 1);
+        const Ray<double> ray{{across, 0, 40 * std::sin(round)}, w};
+        const FarSide far = far_side(ray, ring);
+        if (std::isinf(far.from)) {
+            CHECK(std::isinf(far.wall));
+            continue;
+        }
+        CAPTURE(k, far.from, far.wall);
+        // The polynomial has a largest value there, and the ring is on the far side or only near it.
+        const double step = 1e-5 * far.from;
+        CHECK(ring_at(ray, far.from) > 0);
+        CHECK(ring_at(ray, far.from) > ring_at(ray, far.from - step));
+        CHECK(ring_at(ray, far.from) > ring_at(ray, far.from + step));
+        CHECK(far.from < far.wall);
+        CHECK(meets_before({ray, far.from}, 1e6 / length(w), ring) == std::isfinite(far.wall));
+        ++(std::isinf(far.wall) ? passed : met);
+    }
+    CHECK(met > 100);
+    CHECK(passed > 50);
+}
+
 TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray enters", "[measure][offset]") {
-    CHECK(next_wall({{99, 0, 0}, {-1, 0, 0}}, ring) == Approx(198));
-    CHECK(next_wall({{-99, 0, 0}, {2, 0, 0}}, ring) == Approx(99));
-    CHECK(std::isinf(next_wall({{179, 0, 0}, {1, 0, 0}}, ring)));  // from the rim that faces away
-    CHECK(std::isinf(next_wall({{99, 0, 0}, {1, 0, 0}}, ring)));   // into it
+    CHECK(far_side({{99, 0, 0}, {-1, 0, 0}}, ring).wall == Approx(198));
+    CHECK(far_side({{-99, 0, 0}, {2, 0, 0}}, ring).wall == Approx(99));
+    CHECK(std::isinf(far_side({{179, 0, 0}, {1, 0, 0}}, ring).wall));  // from the rim that faces away
+    CHECK(std::isinf(far_side({{99, 0, 0}, {1, 0, 0}}, ring).wall));   // into it
     test::Seeded random(65);
     int met = 0, free = 0;
     for (int k = 0; k < 3000; ++k) {
@@ -69,7 +95,7 @@ TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray
         if (dot(w, n) < 0) w = -1.0 * w;
         if (dot(w, n) < 1e-3 * length(w)) continue;
         const Ray<double> ray{p, w};
-        const double wall = next_wall(ray, ring), last = std::isinf(wall) ? 400 / length(w) : wall;
+        const double wall = far_side(ray, ring).wall, last = std::isinf(wall) ? 400 / length(w) : wall;
         CAPTURE(k, wall);
         bool clear = true;
         for (int i = 1; i < 40; ++i) clear = clear && ring_at(ray, last * (0.01 + 0.98 * i / 40)) > 0;
@@ -91,15 +117,15 @@ TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray
 
 TEST_CASE("offsets: the next wall of a tube is across it, between the rims", "[measure][offset]") {
     // From (1, 0, z) along d: −2 p·d/d² = 6/25 t across.
-    CHECK(next_wall({{1, 0, 0}, {-3, 4, 0}}, pipe) == Approx(0.24).epsilon(1e-14));
-    CHECK(next_wall({{1, 0, 0}, {-3, 4, 16}}, pipe) == Approx(0.24).epsilon(1e-14));
-    CHECK(std::isinf(next_wall({{1, 0, 0}, {-3, 4, 17}}, pipe)));  // out of the open end
-    CHECK(std::isinf(next_wall({{1, 0, 0}, {3, 4, 0}}, pipe)));
+    CHECK(far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).wall == Approx(0.24).epsilon(1e-14));
+    CHECK(far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).wall == Approx(0.24).epsilon(1e-14));
+    CHECK(std::isinf(far_side({{1, 0, 0}, {-3, 4, 17}}, pipe).wall));  // out of the open end
+    CHECK(std::isinf(far_side({{1, 0, 0}, {3, 4, 0}}, pipe).wall));
     CHECK(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.25, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.23, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0.5}, 0.25, pipe));
-    CHECK(std::isinf(next_wall({{1, 0, 0}, {-1, 0, 0}}, Solid<double>(Sphere<double>{{0, 0, 0}, 1}))));
-    CHECK(std::isinf(next_wall({{0, 0, 0}, {0, 0, 1}}, Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0}))));
+    CHECK(far_side({{1, 0, 0}, {-1, 0, 0}}, Solid<double>(Sphere<double>{{0, 0, 0}, 1})) == FarSide{});
+    CHECK(far_side({{0, 0, 0}, {0, 0, 1}}, Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) == FarSide{});
 }
 
 TEST_CASE("offsets: the far wall of a torus is a true hit, and to leave out the torus loses it", "[measure][offset]") {
@@ -136,6 +162,53 @@ TEST_CASE("offsets: within a tube the next wall is a true hit, and on either sid
     const Measured past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
     CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
     CHECK(past.by("offset.bound", Side::outside).bad == 0);
+}
+
+TEST_CASE("offsets: a far wall that only the moved ray meets is no self-hit", "[measure][offset]") {
+    // From (-115, 0, 32) out of the ring, and below its far part by `gap`: moved along the normal the ray is raised by
+    // 0.935 e. The nearest line below that touches the far circle leaves by the angle asin(40/D) below its centre.
+    const Ray<double> down{{-85, 0, 72}, {-3, 0, -4}};
+    const Vec<double> p(-115, 0, 32), centre(139, 0, 0);
+    const double away = length(Vec<double>(centre - p));
+    const auto light_below = [&](double gap) {
+        const double angle = std::atan2(-32, 254) - std::asin((40 + gap) / away);
+        return Vec<double>(p + 400.0 * Vec<double>(std::cos(angle), 0, std::sin(angle)));
+    };
+    for (const char* format : {"f32", "f64"}) {
+        INFO(format);
+        const Measured on("torus.closest_approach", format, ring, down, 10, light_below(4e-4));
+        for (const char* const strategy : {"offset.epsilon", "offset.bound", "offset.ulp_16", "offset.relative"}) {
+            INFO(strategy);
+            CHECK(on.by(strategy, Side::outside)[Fault::self_hit] == 0);
+            CHECK(on.by(strategy, Side::outside)[Fault::lost_occluder] == 0);
+        }
+    }
+    // Out of the open end of a pipe, beside its rim: moved toward the axis the ray meets the wall below the rim.
+    const Measured pipe_end("tube.framed", "f64", pipe, {{0, 0, 0}, {1, 0, 0}}, 1, Vec<double>(-3, 0, 8.002));
+    CHECK(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).from == Approx(0.5));
+    CHECK(std::isinf(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).wall));
+    CHECK(meets_before({{{0.999, 0, 0}, {-2, 0, 4.001}}, 0}, 1, pipe));
+    CHECK(pipe_end.by("offset.epsilon", Side::outside)[Fault::self_hit] == 0);
+}
+
+TEST_CASE("offsets: a way out that t_min skips is lost, even where the ray begins in the ring again",
+          "[measure][offset]") {
+    // From the outer rim to the axis: out after 2^-11, in again after 2^-10, out after 3/2 of that.
+    const Solid<double> small(Torus<double>{{0, 0, 0}, {0, 0, 1}, 0x1p-11, 0x1p-12});
+    const std::vector<Solid<double>> solids{small};
+    const measure::evaluate::TestedForm of = row("torus.closest_approach", "f64");
+    const auto strategies = all_strategies();
+    const PointWork work(of, HitPoint::computed, solids, std::nullopt, strategies);
+    const double rim = 0x1p-11 + 0x1p-12;
+    const auto tmin = std::ranges::find(strategies, "offset.tmin", &Strategy::name);
+    bool asked = false;
+    for (const NewRay& ray : work.rays({{{1, 0, 0}, {-1, 0, 0}}, 1 - rim, 0}, **tmin, Side::inside)) {
+        if (!(ray.ray.direction.x < -0.999)) continue;
+        CHECK(find_meeting({ray.ray, ray.tmin}, small).inside);
+        CHECK(ray.has(Fault::lost_exit));
+        asked = true;
+    }
+    CHECK(asked);
 }
 
 TEST_CASE("offsets: a flat piece is left to either side, and not asking it is right", "[measure][offset]") {

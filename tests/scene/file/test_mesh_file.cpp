@@ -56,6 +56,37 @@ TEST_CASE("a polygon is a fan around its first corner, and a face on a line is n
     CHECK(mesh.first_left_out.ends_with("a.obj:6"));
 }
 
+TEST_CASE("a line of an OBJ goes on behind a backslash at its end", "[mesh]") {
+    const Scratch folder;
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    const Mesh plain = read_mesh_file(folder.write("plain.obj", corners + "f 1 2 3 4\nf 1/1/1 2/2/2 4/4/4\n"));
+    const std::string continued[] = {
+        corners + "f 1 2 \\\n3 4\nf 1/1/1 2/2/2 4/4/4\n",
+        corners + "f 1 2 \\\r\n  3\\\r\n4\r\nf 1/1/1 2/2/2 4/4/4\r\n",  // a break is a blank, as in Blender
+        corners + "f \\ \t\n\\\n1 2 3 4 \\\n\nf\\\n1/1/1 2/2/2\\\n4/4/4",
+        "v 0 0 0 \\\n1.0\nv 1 \\\n0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1/1/1 2/2/2 4/4/4\n",
+        "# a comment \\\n# and one more\n" + corners + "curv2 1 2 \\\n3 4\nf 1 2 3 4\nf 1 2 4\n# the end \\\n"};
+    for (const std::string& text : continued) {
+        INFO(text);
+        CHECK(are_same(read_mesh_file(folder.write("a.obj", text)), plain));
+    }
+    CHECK(error_of_file("a.obj", corners + "f 1 2 \\\n 3 9\nf 1 2 3\n").starts_with("a.obj:6:4: names vertex 9"));
+    CHECK(error_of_file("a.obj", corners + "f 1 2 \\\n3 4\nf 1 2 9\n").starts_with("a.obj:7:7: names vertex 9"));
+    CHECK(error_of_file("a.obj", corners + "  f 1 \\\n2\n") == "a.obj:5:3: is a face of fewer than 3 corners");
+    CHECK(error_of_file("a.obj", corners + "f 1 2 \\\nf 3 4\n") ==
+          "a.obj:6:1: the corner \"f\" is not the number of a vertex");
+    CHECK(error_of_file("a.obj", corners + "f 1 2\\3 4\n") ==
+          "a.obj:5:5: the corner \"2\\3\" is not the number of a vertex");
+    CHECK(error_of_file("a.obj", corners + "f 1 2 3 \\") ==
+          "a.obj:5:9: continues on the next line, and there is none; was it cut short?");
+    for (const char* const above : {"v 1 2 3 \\", "# in C:\\meshes\\", "usemtl a\\"})
+        CHECK(error_of_file("a.obj", corners + above + "\nv 7 7 7\nf 1 2 3\n")
+                  .starts_with("a.obj:6:1: \"v\" begins a line that continues the one above"));
+    CHECK(read_mesh_file(folder.write("line.obj", corners + "f 1 \\\n2 1\nf 1 2 3\n"))
+              .first_left_out.ends_with("line.obj:5"));
+    CHECK(has(error_of_file("a.stl", "solid a \\\nfacet"), "a.stl:2"));  // no other kind of file continues lines
+}
+
 TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(error_of_file("a.obj", three + "f 1 2 4\n") ==

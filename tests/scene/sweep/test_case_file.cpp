@@ -208,6 +208,30 @@ rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp
     CHECK(has(broken("title", "open_ends = \"tmin\"\ntitle"), "open_ends"));
 }
 
+TEST_CASE("a range without any t is refused in a case, as in a scene") {
+    const auto error = [](const std::string& ends, const std::string& open = "none") {
+        return case_error(sweep_head + "[[case]]\nname = \"a\"\nopen_ends = \"" + open +
+                          "\"\nspheres = [{ centre = [0, 0, 0], radius = 1 }]\n"
+                          "rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], " +
+                          ends + " }]\n");
+    };
+    const std::string none_at = "c.toml:8:71: case[0].rays[0].tmax leaves no t between tmin and tmax";
+    CHECK(error("tmin = 5, tmax = 4").starts_with(none_at));
+    CHECK(error("tmin = 4, tmax = 4", "both").starts_with(none_at));
+    CHECK(error("tmin = 4, tmax = 4", "tmin").starts_with(none_at));
+    CHECK(error("tmin = 4, tmax = 4", "tmax").starts_with(none_at));
+    CHECK(error("tmin = 3, tmax = \"3 - ulp\"").starts_with(none_at));
+    CHECK(has(error("tmax = -1"), "tmax leaves no t"));
+    CHECK(has(error("tmax = 0", "tmax"), "tmax leaves no t"));
+    CHECK(has(error("tmax = \"nan\""), "tmax is not a t"));
+    for (const std::string tmin : {"-1", "\"inf\"", "\"nan\""})
+        CHECK(has(error("tmin = " + tmin), "c.toml:8:61: case[0].rays[0].tmin is not a finite t of 0 or more"));
+    for (const std::string some :
+         {"tmin = 4, tmax = 4", "tmin = 0, tmax = 0", "tmax = \"inf\"", "tmin = 4", "tmin = 4, tmax = 4.000000000001"})
+        CHECK(error(some) == "no error");
+    CHECK(error("tmin = 4, tmax = 4.000000000001", "both") == "no error");  // there are doubles between
+}
+
 TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("title", "title") == "no error");
     CHECK(broken("lostbits-sweep/1", "lostbits-scene/1").starts_with("c.toml:1:10: "));

@@ -119,6 +119,7 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("every_float", "linear"), "s.toml:7:11: axis.spacing must be \"every_float\""));
     CHECK(has(error("to = \"0x1.8p+1\"", "to = 2\nall = true"), "cannot be combined with all = true"));
     CHECK(has(error("name = \"distance\"", "name = \"Distance\""), "lower-case"));
+    CHECK(has(error("tmax = 9", "tmax = -1", good_box), "ray[0].tmax is below 0"));
     CHECK(has(error("direction =", "tmax = 3\ndirection ="), "tmax ends a ray only for the forms of boxes"));
     CHECK(has(error("[[ray]]\nname = \"a\"",
                     "[[ray]]\nname = \"a\"\norigin = [0, 0, 0]\ndirection = [0, 0, 1]\n"

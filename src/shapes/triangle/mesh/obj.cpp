@@ -31,11 +31,24 @@ std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t 
     return static_cast<std::uint32_t>(place > 0 ? place - 1 : count + place);
 }
 
+/// Goes past what is left of a statement, with the lines on which it continues. A vertex or a face is refused there: a
+/// comment may end with a backslash and mean nothing by it.
+void skip_rest(TextLines& lines) {
+    while (lines.go_on()) {
+        const std::string_view what = lines.word();
+        if (what == "v" || what == "f")
+            lines.fail(
+                toml::quoted_excerpt(what) +
+                " begins a line that continues the one above, which ends with \\, so a vertex or a face might be "
+                "left out; remove the \\, or write this line elsewhere");
+    }
+}
+
 }  // namespace
 
 MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
     MeshInFile found;
-    TextLines lines(bytes);
+    TextLines lines(bytes, Statement::continued_by_backslash);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view what = lines.word();
@@ -58,6 +71,7 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
                        " is not a keyword of OBJ, so a face might be left out; correct it, or write # before "
                        "it");
         }
+        skip_rest(lines);
     }
     return found;
 }

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "number/real.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -16,30 +18,35 @@
 
 namespace lostbits::scene::triangle {
 
+/// Statement of a text file: one line, or with a backslash at its end also the line below it.
+enum class Statement : std::uint8_t { line, continued_by_backslash };
+
 class TextLines {
 public:
     static constexpr std::size_t longest = std::size_t{1} << 20;
 
-    explicit TextLines(MeshBytes& bytes) : bytes_(bytes) {}
+    explicit TextLines(MeshBytes& bytes, Statement statement = Statement::line)
+        : bytes_(bytes), statement_(statement) {}
 
-    /// Goes to the next line, without its end. Returns false after the last. A byte order mark is not part of the
-    /// first line.
+    /// Goes to the next line, without its end, where a statement begins. Returns false after the last. A byte order
+    /// mark is not part of the first line.
     bool next() {
-        if (!bytes_.take_line(line_, longest)) return false;
-        at_ = 0, word_ = 0;
-        if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
-        if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
-        if (line_.ends_with('\r')) line_.remove_suffix(1);
-        // Some programs take these bytes for the end of a line, and hide the rest.
-        refuse_byte('\0', "has a byte 0; is it text?");
-        refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
+        if (!take()) return false;
+        start_ = number_;
+        indent_ = std::min(line_.find_first_not_of(" \t"), line_.size());
         return true;
     }
-    /// Returns the next word of the line; empty at its end.
+    /// Goes to the line on which the statement continues. Returns false if there is none.
+    bool go_on() { return std::exchange(goes_on_, false) && take(); }
+    /// Returns the next word of the statement; empty at its end.
     std::string_view word() {
-        word_ = std::min(line_.find_first_not_of(" \t", at_), line_.size());
-        at_ = std::min(line_.find_first_of(" \t", word_), line_.size());
-        return line_.substr(word_, at_ - word_);
+        while (true) {
+            word_ = std::min(line_.find_first_not_of(" \t", at_), line_.size());
+            at_ = std::min(line_.find_first_of(" \t", word_), line_.size());
+            if (at_ > word_ || !goes_on_) return line_.substr(word_, at_ - word_);
+            const std::string here = place();
+            if (!go_on()) throw InputError(here + ": continues on the next line, and there is none; was it cut short?");
+        }
     }
     /// Reads the next word as a number of type T, rounded once. Errors call it `what`.
     template <class T>
@@ -68,16 +75,32 @@ public:
         return x;
     }
 
-    [[nodiscard]] std::size_t line() const { return number_; }
+    /// Line on which the statement begins.
+    [[nodiscard]] std::size_t line() const { return start_; }
     /// Position of the word that was read last; columns count characters.
     [[nodiscard]] std::string place() const { return place_of(word_); }
     [[noreturn]] void fail(const std::string& what) const { throw InputError(place() + ": " + what); }
-    /// Fails at the line as a whole.
+    /// Fails at the statement as a whole.
     [[noreturn]] void fail_line(const std::string& what) const {
-        throw InputError(place_of(std::min(line_.find_first_not_of(" \t"), line_.size())) + ": " + what);
+        throw InputError(place_at(start_, indent_ + 1) + ": " + what);
     }
 
 private:
+    /// Reads the next line, without its end and a backslash that continues it.
+    bool take() {
+        if (!bytes_.take_line(line_, longest)) return false;
+        at_ = 0, word_ = 0;
+        if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
+        if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
+        if (line_.ends_with('\r')) line_.remove_suffix(1);
+        // Some programs take these bytes for the end of a line, and hide the rest.
+        refuse_byte('\0', "has a byte 0; is it text?");
+        refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
+        const std::size_t last = line_.find_last_not_of(" \t");
+        goes_on_ = statement_ == Statement::continued_by_backslash && last < line_.size() && line_[last] == '\\';
+        if (goes_on_) line_ = line_.substr(0, last);
+        return true;
+    }
     /// Decides by the exact number: if it is only too small for T, it is rounded like any other.
     template <class T>
     T out_of_range(std::string_view text, std::string_view what) const {
@@ -98,12 +121,16 @@ private:
     }
     [[nodiscard]] std::string place_of(std::size_t byte) const {
         const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of a character in UTF-8
-        const auto column = std::ranges::count_if(line_.substr(0, byte), starts) + 1;
-        return bytes_.name() + ":" + std::to_string(number_) + ":" + std::to_string(column);
+        return place_at(number_, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts)) + 1);
+    }
+    [[nodiscard]] std::string place_at(std::size_t line, std::size_t column) const {
+        return bytes_.name() + ":" + std::to_string(line) + ":" + std::to_string(column);
     }
 
     MeshBytes& bytes_;
-    std::size_t number_ = 0;
+    Statement statement_;
+    bool goes_on_ = false;                             ///< the statement continues on the next line
+    std::size_t number_ = 0, start_ = 0, indent_ = 0;  ///< the line; that where the statement begins, and its blanks
     std::string_view line_;
     std::size_t at_ = 0, word_ = 0;  ///< in the line: the end of the last word, and its start
 };
