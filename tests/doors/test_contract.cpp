@@ -198,6 +198,7 @@ TEST_CASE("contract: twice a radius and its square are told apart", "[doors]") {
     CHECK(words(with_radius([](double r) { return r / 2; })).starts_with("the radius is taken for a diameter"));
     CHECK(words(with_radius([](double r) { return std::sqrt(r); })).starts_with("the radius is taken for its square"));
     CHECK(words(with_radius([](double r) { return r + 2; })).starts_with("t is wrong"));
+    CHECK(words(with_radius([](double r) { return r * NAN; })).starts_with("t is not a number"));
 }
 
 TEST_CASE("contract: a surface at the origin is asked about from the sides that are met", "[doors]") {
