@@ -51,7 +51,7 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
-                       o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
+                       o.bits_needed > 0 ? fmt::format(" --bits {}", o.bits_needed) : "", input_of(o));
 }
 
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
@@ -61,7 +61,7 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
         if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: all selected forms exist in binary32 only; `lostbits list forms` shows the "
+            "--bits: all selected forms exist in binary32 only; `lostbits list forms` shows the "
             "formats of each");
     return forms;
 }
@@ -87,7 +87,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
         made.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
                        [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::evaluate::order_culprits(work.map, made);
-    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits-needed");
+    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededRequest{.scene = scene,
                                           .forms = forms_of_any_width(work.map.rows),
@@ -96,14 +96,14 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
     return work;
 }
 
-/// Says which forms `--bits-needed` leaves out.
+/// Says which forms `--bits` leaves out.
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> said;
     for (const SceneWork& work : works) {
         for (const TestedForm& row : work.map.rows) {
             const intersect::Info& info = *row.form->info;
             if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
-            fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in {} only\n", info.name,
+            fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
                        selection::formats_of(*row.form));
         }
     }
@@ -218,7 +218,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
         NeededRequest request = *work.needed;
         request.share = division.share();
         // Its rays are asked in many widths: what the map took says nothing of it.
-        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
+        output::file::Estimate estimate(progress, scene.id + " --bits", measure::evaluate::needed_units(request),
                                         common.quiet);
         request.progress = advancing(progress, &estimate);
         summaries.needed = measure::evaluate::run_needed(
@@ -332,7 +332,7 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_pixels(command, *o);
     selection::add_pictures(command, o->pictures);
     command.add(
-        "--bits-needed", o->bits_needed,
+        "--bits", o->bits_needed,
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,

@@ -21,7 +21,6 @@ namespace lostbits::analysis::selection {
 /// Which columns mean what, which solids the rays are aimed at, and what the answers are held to.
 struct RayFileWords {
     std::string container = "auto", columns, format;
-    std::string format_option = "--file-format";  ///< as it was offered
     std::uint64_t skip = 0;
     SolidWords solids;
     std::string scene, miss;
@@ -43,7 +42,7 @@ struct RayFileOption {
 const std::vector<RayFileOption>& ray_file_options();
 
 /// The options for all of these, `format` under that name.
-void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option);
+void add_ray_options(const shell::Command& command, RayFileWords& words);
 
 struct JudgeWords : RayFileWords {
     std::string file;

@@ -30,8 +30,8 @@ void add_formats(const shell::Command& command, std::vector<std::string>& format
 void add_pixels(const shell::Command& command, SharedOptions& shared);
 /// --pictures all: what a contact sheet shows is drawn alone only where that is asked for.
 void add_pictures(const shell::Command& command, std::string& pictures);
-/// -o, which must be given.
-void add_out(const shell::Command& command, std::string& out);
+/// -o, by default out/COMMAND.
+void add_out(const shell::Command& command, std::string& out, const std::string& what = "the results");
 /// --size, --variant and --set of a command that takes scenes; `example` is an assignment for the help.
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
 

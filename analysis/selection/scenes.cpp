@@ -181,13 +181,13 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     return opened;
 }
 
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option) {
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format) {
     if (numbers == 0) return;
     fmt::print(stderr,
                "lostbits: {}: {} of {}, and {} rounded to it; name the format that the answers were computed in with "
-               "{}\n",
+               "--file-format\n",
                files, scene::toml::counted(numbers, "number is not one", "numbers are not numbers"), format.name,
-               numbers == 1 ? "was" : "were", option);
+               numbers == 1 ? "was" : "were");
 }
 
 }  // namespace lostbits::analysis::selection

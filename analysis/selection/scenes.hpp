@@ -76,7 +76,7 @@ struct OpenedRays {
 OpenedRays open_rays(const RayFileWords& words, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
-/// Says on stderr that so many numbers of files were rounded to the format; `option` names another.
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option);
+/// Says on stderr that so many numbers of files were rounded to the format.
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format);
 
 }  // namespace lostbits::analysis::selection

@@ -44,12 +44,15 @@ public:
     Option required() const;
     Option excludes(Option other) const;
     Option needs(Option other) const;
+    /// Shown in the help below a heading of its own, with the others that are.
+    Option below(const std::string& heading) const;
 
     [[nodiscard]] std::string name() const;
     [[nodiscard]] const std::vector<std::string>& short_names() const;  ///< without hyphens
     [[nodiscard]] const std::vector<std::string>& long_names() const;
     [[nodiscard]] const std::string& help() const;
-    [[nodiscard]] std::string type() const;  ///< with what it is checked against: `TEXT:{none,csv}`
+    [[nodiscard]] std::string heading() const;  ///< empty: none of its own
+    [[nodiscard]] std::string type() const;     ///< with what it is checked against: `TEXT:{none,csv}`
     [[nodiscard]] bool is_argument() const;
     [[nodiscard]] bool is_required() const;
     [[nodiscard]] bool takes_value() const;
@@ -61,6 +64,11 @@ public:
 
 private:
     CLI::Option* option_;
+};
+
+/// A command line, and what it does: the text of a help.
+struct Example {
+    std::string line, does;
 };
 
 /// A command, the program, or a group of options. A copy is the same command.
@@ -89,16 +97,23 @@ public:
     /// in the order in which they were given.
     [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
 
+    /// Shown by the help: a command line each, and what it does.
+    void shows(const std::vector<Example>& examples) const;
+    /// Shown nowhere: a command that the program starts by itself.
+    void hide() const;
+
     /// What is done where this command is given.
     void runs(const std::function<Exit()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
+    [[nodiscard]] std::vector<Example> examples() const;
+    [[nodiscard]] bool is_hidden() const;
     [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
     [[nodiscard]] Option option(const std::string& name) const;                  ///< false where there is none
     [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
-    [[nodiscard]] std::vector<std::string> names_of_commands() const;
+    [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones
     [[nodiscard]] std::vector<Command> given() const;  ///< itself, the command of it that was given, and so on
     [[nodiscard]] std::string given_words() const;     ///< the names of these: `lostbits plugin check`
 
@@ -120,13 +135,13 @@ struct Misread : std::runtime_error {
 
 class CommandLine : public Command {
 public:
-    CommandLine(const std::string& name, const std::string& version, const std::string& help,
-                const std::string& footer);
+    CommandLine(const std::string& name, const std::string& version, const std::string& help);
     ~CommandLine();
 
-    /// Reads the words, the first of which is the program's own. False where they asked for help, which is printed
-    /// then. Misread; what a check throws.
-    [[nodiscard]] bool parse(const std::vector<std::string>& words);
+    enum class Parsed { command, help, version };
+    /// Reads the words, the first of which is the program's own. The version is printed where they asked for it.
+    /// Misread; what a check throws.
+    [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
     /// Does what was chosen.
     [[nodiscard]] Exit run() const { return run_(); }
 

@@ -19,6 +19,8 @@ struct Values {
 struct OptionRow {
     std::vector<std::string> names;  ///< `-i`, `--intersector`; of an argument its one name: SCENE
     std::string help;
+    std::string heading;  ///< under which the help shows it with others; empty: none of its own
+    std::string value;    ///< how its value is written: `auto|bar|none`, `1..1024`, FILE; empty: it takes none
     bool takes_value = false;
     bool several = false;  ///< between commas, or one argument after another
     bool required = false;
@@ -27,6 +29,7 @@ struct OptionRow {
 
 struct CommandRow {
     std::string name, help;
+    std::vector<Example> examples;
     std::vector<OptionRow> options, arguments;  ///< of its own commands, too
     std::vector<CommandRow> commands;           ///< of its own: `plugin check`
 
@@ -35,8 +38,11 @@ struct CommandRow {
 
 /// Those of every command.
 std::vector<OptionRow> common_options(const Command& program);
-/// Those of a program, or of a command that has some.
-std::vector<CommandRow> command_table(const Command& program);
+/// Those of a program, or of a command that has some; its own hidden ones where they are asked for.
+std::vector<CommandRow> command_table(const Command& program, bool hidden_too = false);
+
+/// What `--help` prints: of the command that was given, or of the program. `footer` stands below that of the program.
+std::string help_page(const Command& program, const std::string& footer);
 
 /// For bash, zsh and fish. Names of forms, scenes and so on are asked of the program when they are needed, so those of
 /// one's own data are there too.
