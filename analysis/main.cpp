@@ -11,6 +11,7 @@
 
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/subject_kinds.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "analysis/shell/option_table.hpp"
@@ -162,6 +163,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
     common.typed = selection::typed(program);
     selection::find_in_data(program.given().back(), common.data);
+    selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
     if (!named("shader") && !named("devices")) selection::decide_where(common.doors, named("check"));
