@@ -191,7 +191,7 @@ TEST_CASE("a long map with --bits says how long it will take") {
     // Interrupted as soon as it has said so.
     const auto r =
         run("map grazing --size 3000x3000 -i sphere.unified -f f32 --bits 20 -o out 2>said & child=$!; "
-            "while ! grep -q 'bits-needed will take about' said && kill -0 $child; do sleep 0.2; done; kill -TERM "
+            "while ! grep -q 'bits will take about' said && kill -0 $child; do sleep 0.2; done; kill -TERM "
             "$child; wait $child; exit $?",
             scratch.path(), "set -m; ");
     CHECK(r.code == 130);
