@@ -248,7 +248,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
-    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format, "--file-format");
+    if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
     return choose(request, files, owner, progress, common);
 }
@@ -295,7 +295,7 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
-    selection::add_ray_options(command, *o, "--file-format");
+    selection::add_ray_options(command, *o);
     command.add(
         "--mend", o->mend,
         "Also mend the forms that do not meet the wish (see `lostbits mend`); what comes out is compiled and timed");

@@ -44,6 +44,9 @@ using AddCommand = void(const shell::Command& program, const Common& common);
 AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
     add_mend, add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
 
+/// Adds the examples in the help of each command, once all commands are there.
+void add_examples(const shell::Command& program);
+
 /// Returns a descriptor of standard output for a command that answers a pipe. Everything else that is printed goes to
 /// standard error from then on. Throws EnvironmentError, which begins with `command`.
 int take_standard_output(const std::string& command);

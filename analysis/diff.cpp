@@ -226,13 +226,13 @@ void add_diff(const shell::Command& program, const Common& common) {
     const auto w = std::make_shared<DiffWords>();
     command.add("A", w->a, "A file or a folder").required();
     command.add("B", w->b, "The file or folder to compare it with; none with two forms");
-    command.add("--tolerance", w->tolerances,
+    command.add("--allow", w->tolerances,
                 "COLUMN=ABS[,REL]: how far apart numbers may be; columns and channels by name or glob, the last "
                 "match counts");
     command.add("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob");
     command.add("--strict", w->strict,
                 "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
-    command.add("--pictures", w->pictures, "Compare pictures too");
+    command.add("--compare-pictures", w->pictures, "Compare pictures too");
     command.add_list("-i,--intersector", w->forms, "Two forms of the maps in A, in place of B");
     command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
     command.add("--draw", w->draw,

@@ -67,15 +67,15 @@ void refuse_ray(const selection::RayWords& ray) {
     if (ray.subject.empty())
         throw InputError(
             "--ranges: takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
-            "and give other ranges by --range NAME=LOW..HIGH");
+            "and give other ranges by --input-range NAME=LOW..HIGH");
 }
 
 /// Parses a range that replaces that of the scene: `d.x=-0.5..0.5`.
 GivenRange range_named(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
-        throw InputError("--range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
-    const std::string option = "--range " + text;
+        throw InputError("--input-range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
+    const std::string option = "--input-range " + text;
     const auto end = [&](const std::string& number) {
         const auto x = selection::numbers_of(number, {option.c_str(), "an end of a range; write a number", 1}, {});
         return scene::toml::round_to_format(x.front(), binary64);
@@ -83,7 +83,7 @@ GivenRange range_named(const std::string& text) {
     const GivenRange asked{text.substr(0, equals),
                            {end(text.substr(equals + 1, dots - equals - 1)), end(text.substr(dots + 2))}};
     if (asked.range.low > asked.range.high)
-        throw InputError("--range " + text + ": ends before it begins; write the smaller number first");
+        throw InputError("--input-range " + text + ": ends before it begins; write the smaller number first");
     return asked;
 }
 
@@ -97,14 +97,14 @@ const intersect::table::Intersector* form_for(const intersect::table::Intersecto
                                       form.info->name, subject.id));
 }
 
-/// The rays of a sweep at the step that --at names.
+/// The rays of a sweep at the step that --at-step names.
 scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::filesystem::path& file,
                                  const std::filesystem::path& data, intersect::process::StopToken stop) {
     const auto kind = scene::sweep::sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
                          ": has no axes, but --ranges takes the ranges from a step of a sweep along axes; name one, or "
-                         "a scene, and give other ranges by --range NAME=LOW..HIGH");
+                         "a scene, and give other ranges by --input-range NAME=LOW..HIGH");
     const selection::SweepWords changes{ray.size, ray.steps, ray.set};
     selection::check_changes(changes, kind, ray.subject);
     return {file, data, selection::read_changes(changes), stop};
@@ -114,10 +114,11 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
     std::string names;
     for (const auto& axis : sweep.axes) names += (names.empty() ? "" : ",") + axis.name;
     if (at.empty())
-        throw InputError(fmt::format("--ranges: {} is a sweep; name one of its steps by --at {}", sweep.id, names));
+        throw InputError(
+            fmt::format("--ranges: {} is a sweep; name one of its steps by --at-step {}", sweep.id, names));
     const std::string what = fmt::format("a step of {}; write --at {}, one number for each", sweep.id, names);
     std::vector<double> values;
-    for (const Real& x : selection::numbers_of(at, {"--at", what.c_str(), sweep.axes.size()}, {}))
+    for (const Real& x : selection::numbers_of(at, {"--at-step", what.c_str(), sweep.axes.size()}, {}))
         values.push_back(scene::toml::round_to_format(x, binary64));
     return {fmt::format("{} at {}", sweep.id, at), sweep.rays(values)};
 }
@@ -130,11 +131,11 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
     for (const std::string& text : words.ranges) {
         const GivenRange& asked = request.asked.emplace_back(range_named(text));
         if (std::ranges::count(request.asked, asked.name, &GivenRange::name) > 1)
-            throw InputError("--range " + text + ": " + asked.name + " has two ranges; leave one out");
+            throw InputError("--input-range " + text + ": " + asked.name + " has two ranges; leave one out");
     }
     const auto data = selection::data_folder(common.data);
     auto file = selection::sweep_named(ray.subject, data);
-    // If a scene and a sweep have the same name, --at means the sweep.
+    // If a scene and a sweep have the same name, --at-step means the sweep.
     if (const auto sweep = data / "sweeps" / (ray.subject + ".toml");
         !file && !words.at.empty() && std::filesystem::is_regular_file(sweep))
         file = sweep;
@@ -147,7 +148,7 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
         if (!words.at.empty())
-            throw InputError("--at " + words.at + ": names a step of a sweep, but " + ray.subject +
+            throw InputError("--at-step " + words.at + ": names a step of a sweep, but " + ray.subject +
                              " is not a sweep; leave it out");
         request.form = form_for(*row.form, scene);
         request.rays = std::move(scene);
@@ -220,11 +221,10 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
                 "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    words.solids.add_to(command, [](const ShapeRow& row) {
-        return fmt::format(
-            "For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it under a matrix",
-            with_article(row.shape), option_words(row.shape));
-    });
+    words.solids.add_to(
+        command,
+        "Primitives for --ray, in place of a scene; may be repeated; @ and twelve numbers put one under "
+        "a matrix");
     command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,
@@ -241,10 +241,11 @@ void add_explain(const shell::Command& program, const Common& common) {
     const auto ranges = command.add("--ranges", o->ranges.asked,
                                     "Instead of one ray, every ray in the ranges of a scene's rays, or of a sweep's at "
                                     "one step: how far rounding can put t off at most");
-    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
+    command
+        .add("--at-step", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
         .needs(ranges);
     command
-        .add("--range", o->ranges.ranges,
+        .add("--input-range", o->ranges.ranges,
              "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command

@@ -63,7 +63,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
         !(is_short && result.digits < needed(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: the t of all {} hits are numbers of f32, exactly or as decimals of f32, but were "
-                   "judged as {}; if the answers were computed in float, add --format f32\n",
+                   "judged as {}; if the answers were computed in float, add --file-format f32\n",
                    file, result.answers, format.name);
     else if (is_short)
         fmt::print(stderr,
@@ -127,8 +127,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
         if (!o.formats.empty())
-            throw InputError(fmt::format(
-                "-f {}: is for forms, and -i names none; for the format of the answers write --format", o.formats[0]));
+            throw InputError(
+                fmt::format("-f {}: is for forms, and -i names none; for the format of the answers write --file-format",
+                            o.formats[0]));
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
@@ -215,7 +216,7 @@ Exit run(const JudgeWords& o, const Common& common) {
         if (request.file_form && !request.file_place())
             throw InputError(
                 fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
-                            "--format",
+                            "--file-format",
                             o.against, dump->format().name, o.file));
     }
     request.picture = dump->picture();
@@ -279,7 +280,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
-        selection::note_rounded(o.file, result.rounded, dump->format(), "--format");
+        selection::note_rounded(o.file, result.rounded, dump->format());
         note_digits(o.file, dump->format(), result);
         fmt::print("{} of {}, read as {}\n", scene::toml::counted(result.rays, "ray"), o.file, dump->format().name);
         print_judged(request, result, o.by);
@@ -308,7 +309,7 @@ void add_judge(const shell::Command& program, const Common& common) {
     command
         .add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's and its matrix's, hit and t")
         .required();
-    selection::add_ray_options(command, *o, "--format,--file-format");
+    selection::add_ray_options(command, *o);
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");
     command.add("--against", o->against, "A form to compare the answers with, without asking what is true");
@@ -322,7 +323,7 @@ void add_judge(const shell::Command& program, const Common& common) {
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     selection::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command.add("--worst", o->worst, "How many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command.add("--worst-rays", o->worst, "How many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

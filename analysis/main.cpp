@@ -11,10 +11,12 @@
 
 #include "analysis/selection/doors.hpp"
 #include "analysis/selection/options.hpp"
+#include "analysis/selection/subject_kinds.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "analysis/shell/option_table.hpp"
 #include "analysis/shell/process.hpp"
+#include "analysis/shell/renamed.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
 #include "commands.hpp"
 #include "intersect/doors/guard.hpp"
@@ -38,8 +40,7 @@ void add_common(const shell::Command& program, Common& common) {
     program.add("--data", common.data,
                 "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the one of the program)");
     const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
-    program.add_named("--progress", {"auto", "bar", "none"}, show,
-                      "Progress on stderr: auto (on a terminal), bar, none");
+    program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
     program.add("--force", common.force,
                 "Write into a folder although it holds results that no manifest.json names; they stay");
     program.add("-q,--quiet", common.quiet, "Print errors only");
@@ -76,7 +77,7 @@ void add_doors(const shell::Command& program, selection::DoorWords& doors) {
                 shell::number_from(0.1, 1e6));
 }
 
-constexpr const char* footer =
+constexpr const char* below_help =
     "Exit status:\n"
     "  0    done, and every selected claim holds\n"
     "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
@@ -112,7 +113,7 @@ void add_shell(const shell::Command& program) {
     prints(completion.add_command("fish", "For fish: `lostbits completion fish | source`"),
            [&program] { return shell::fish_completion(program); });
     prints(program.add_command("manual", "The manual page: `lostbits manual | man -l -`"),
-           [&program] { return shell::manual_page(program, LOSTBITS_VERSION, footer); });
+           [&program] { return shell::manual_page(program, LOSTBITS_VERSION, below_help); });
 }
 
 /// The common options of a run that joins shards. They replace those of the shards' own command lines.
@@ -128,7 +129,7 @@ std::vector<std::string> words_of(const Common& common) {
 
 /// Runs the command of these words. `joined`: finished shards of this command to join; null: do the work.
 Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
-    shell::CommandLine program("lostbits", program_and_version, description, footer);
+    shell::CommandLine program("lostbits", program_and_version, description);
     Common common;
     common.joined = std::move(joined);
     common.doors.ends_with = shell::tell_status;
@@ -146,15 +147,23 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     for (const auto add : {add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade})
         add(program, common);
     add_shell(program);
+    add_examples(program);
+    const shell::NewWords read = shell::with_new_names(program, words);
     try {
-        if (!program.parse(words)) return Exit::done;
+        const auto parsed = program.parse(read.words);
+        if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, below_help));
+        if (parsed != shell::CommandLine::Parsed::command) return Exit::done;
     } catch (const shell::Misread& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
                    output::file::terminal_text(shell::describe_misread(program, error)), program.given_words());
         return Exit::bad_input;
     }
+    if (!common.quiet)
+        for (const std::string& advice : read.advice)
+            fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
     common.typed = selection::typed(program);
     selection::find_in_data(program.given().back(), common.data);
+    selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
     if (!named("shader") && !named("devices")) selection::decide_where(common.doors, named("check"));

@@ -51,10 +51,10 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
-                       o.bits_needed > 0 ? fmt::format(" --bits-needed {}", o.bits_needed) : "", input_of(o));
+                       o.bits_needed > 0 ? fmt::format(" --bits {}", o.bits_needed) : "", input_of(o));
 }
 
-/// The forms of the rows that exist in every width, as --bits-needed requires. Throws NothingSelected if there are
+/// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are
 /// none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
@@ -62,7 +62,7 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
         if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
     if (forms.empty())
         throw NothingSelected(
-            "--bits-needed: no selected form exists in formats of every width; `lostbits list forms` lists "
+            "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
             "the formats of each form");
     return forms;
 }
@@ -88,7 +88,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
         made.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
                        [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::evaluate::order_culprits(work.map, made);
-    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits-needed");
+    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededRequest{.scene = scene,
                                           .forms = forms_of_any_width(work.map.rows),
@@ -97,14 +97,14 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
     return work;
 }
 
-/// Prints which forms `--bits-needed` leaves out.
+/// Prints which forms `--bits` leaves out.
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> said;
     for (const SceneWork& work : works) {
         for (const TestedForm& row : work.map.rows) {
             const intersect::Info& info = *row.form->info;
             if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
-            fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in {} only\n", info.name,
+            fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
                        selection::formats_of(*row.form));
         }
     }
@@ -221,8 +221,8 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     } else if (work.needed) {
         NeededRequest request = *work.needed;
         request.share = division.share();
-        // --bits-needed tests the rays in many widths, so the time of the map does not predict its time.
-        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
+        // --bits tests the rays in many widths, so the time of the map does not predict its time.
+        output::file::Estimate estimate(progress, scene.id + " --bits", measure::evaluate::needed_units(request),
                                         common.quiet);
         request.progress = advancing(progress, &estimate);
         summaries.needed = measure::evaluate::run_needed(
@@ -336,7 +336,7 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_pixels(command, *o);
     selection::add_pictures(command, o->pictures);
     command.add(
-        "--bits-needed", o->bits_needed,
+        "--bits", o->bits_needed,
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,

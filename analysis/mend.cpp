@@ -50,8 +50,8 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
     if (meets(form->shapes().placed()) && is_solid(form->shape) && !form->is_placed)
         form = &intersect::space::through(intersect::space::usual_space(), *form);
     if (!meets(form->shapes()))
-        throw NothingSelected(
-            fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all", o.form, id));
+        throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", o.form, id,
+                                          selection::words_to_meet({{form, *find_format(o.format)}}, meets)));
     return {.form = form, .format = formats.front()};
 }
 
@@ -128,7 +128,7 @@ public:
     /// Makes these files the subject of the request.
     void become_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::mend::catalogue_beside(request.row));
-        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format, "--file-format");
+        if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
@@ -248,7 +248,7 @@ void add_mend(const shell::Command& program, const Common& common) {
                 "What operations are done in: double (default; of f64 two doubles), or two words of the format",
                 shell::one_of({"double", "two-words"}));
     selection::add_changes(command, o->changes, "sphere[0].radius=10");
-    selection::add_ray_options(command, o->rays, "--file-format");
+    selection::add_ray_options(command, o->rays);
     command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
     command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,

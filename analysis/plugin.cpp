@@ -105,6 +105,7 @@ void add_plugin(const shell::Command& program, const Common& common) {
     tried.runs([library, &common] { return try_forms(*library, common); });
     auto served = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
+    served.hide();
     served.add("LIBRARY", *library, "The library").required();
     served.runs([library] { return serve(*library); });
 }

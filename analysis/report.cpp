@@ -241,7 +241,9 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
     if (work.maps.empty() && work.sweeps.empty())
-        throw NothingSelected("report: no selected form handles any of the selected scenes and sweeps");
+        throw NothingSelected(
+            "report: no selected form handles any of the selected scenes and sweeps; leave out -i, or name forms for "
+            "their shapes");
     std::set<std::string> ids;
     for (const MapWork& m : work.maps) {
         if (!ids.insert(m.scene.id).second)
@@ -341,7 +343,7 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("--offsets", o->offsets,
                      "Scenes on whose next rays every strategy of offsets is tried (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
-    command.add("-o,--out", o->out, "Folder for index.html").required();
+    selection::add_out(command, o->out, "index.html");
     command.runs([o, &common] { return run(*o, common); });
 }
 

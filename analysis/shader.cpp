@@ -136,6 +136,7 @@ void add_devices(const shell::Command& program, const Common& common) {
 
 void add_shader(const shell::Command& program, const Common& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
+    command.hide();
     const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
     auto served = command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
     served.add("SHADER", *file, "The file, as --shader takes it").required();

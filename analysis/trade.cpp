@@ -11,6 +11,7 @@
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/speed/trade_files.hpp"
 
 namespace lostbits::analysis {
@@ -49,7 +50,7 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<Tested
         !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
         throw NothingSelected(fmt::format(
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
-            "a scene with matrices, as in --scene instance-far.{}",
+            "a scene with matrices, as in `lostbits trade instance-far.{}`",
             shape_name, shape_name));
     if (rows.empty())
         throw NothingSelected(fmt::format(
@@ -90,7 +91,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const std::string name = scene ? scene->id : o.shape;
     const auto folder = std::filesystem::path(o.out) / name;
-    const auto owner = own_folder(folder, common, "");
+    const auto owner = own_folder(folder, common, scene ? output::blame::shell_word(o.scene) : "");
     output::speed::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(o.set, scene->id, rows);
@@ -112,11 +113,12 @@ void add_trade(const shell::Command& program, const Common& common) {
     auto command = program.add_command("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
     const std::vector<std::string> solids(shape_names.begin(), shape_names.begin() + shape_rows.size());
-    const auto shape = command.add("--shape", o->shape, "On rays of known kinds at this shape (default: sphere)",
-                                   shell::one_of(solids));
     const auto scene =
-        command.add("--scene", o->scene, "Instead on the rays of a scene: a file, or a name in data/scenes")
-            .excludes(shape);
+        command.add("SCENE", o->scene, "A scene whose rays are used: a file, or a name in data/scenes (default: none)");
+    command
+        .add("--shape", o->shape, "Without a scene: rays of known kinds at this shape (default: sphere)",
+             shell::one_of(solids))
+        .excludes(scene);
     command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
     command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);

@@ -141,7 +141,7 @@ void refuse_unknown_columns(const CompareOptions& options, const std::set<std::s
         throw InputError(fmt::format("{} {}: unknown column; {}", option, pattern,
                                      hint.empty() ? "no file here has columns or channels" : hint));
     };
-    for (const auto& t : options.tolerances) check("--tolerance", t.column);
+    for (const auto& t : options.tolerances) check("--allow", t.column);
     for (const auto& pattern : options.ignored) check("--ignore", pattern);
 }
 

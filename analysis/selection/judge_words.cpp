@@ -74,17 +74,15 @@ const std::vector<RayFileOption>& ray_file_options() {
     return options;
 }
 
-void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option) {
-    words.format_option = format_option.substr(0, format_option.find(','));
+void add_ray_options(const shell::Command& command, RayFileWords& words) {
     command.add("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)",
                 shell::one_of({"auto", "csv", "npy", "raw"}));
     command.add("--columns", words.columns,
                 "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
-    command.add(format_option, words.format, "Format the answers were computed in (default: the file's; of a CSV f64)");
-    words.solids.add_to(command, [](const ShapeRow& row) {
-        return fmt::format("The {} of all rays: {}", row.name, option_words(row.shape));
-    });
+    command.add("--file-format", words.format,
+                "Format the answers were computed in (default: the file's; of a CSV f64)");
+    words.solids.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
         command.add(o.name, words.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
 }
@@ -125,9 +123,9 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::s
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format}, o.format_option.c_str());
+        const auto formats = select_formats({o.format}, "--file-format");
         if (formats.size() > 1)
-            throw InputError(o.format_option + " " + o.format + ": the answers are of one format; name one");
+            throw InputError("--file-format " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }
     options.miss = miss_rule(o.miss);

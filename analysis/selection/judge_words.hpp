@@ -21,7 +21,6 @@ namespace lostbits::analysis::selection {
 /// The options for files of rays: the meaning of columns, the primitives of the rays, and the contract of the answers.
 struct RayFileWords {
     std::string container = "auto", columns, format;
-    std::string format_option = "--file-format";  ///< name under which it was added
     std::uint64_t skip = 0;
     SolidWords solids;
     std::string scene, miss;
@@ -43,7 +42,7 @@ struct RayFileOption {
 const std::vector<RayFileOption>& ray_file_options();
 
 /// Adds the options for all of these; the one for `format` gets the name `format_option`.
-void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option);
+void add_ray_options(const shell::Command& command, RayFileWords& words);
 
 struct JudgeWords : RayFileWords {
     std::string file;

@@ -82,8 +82,9 @@ void add_pictures(const shell::Command& command, std::string& pictures) {
                 shell::one_of({"sheets", "all"}));
 }
 
-void add_out(const shell::Command& command, std::string& out) {
-    command.add("-o,--out", out, "Folder for the results").required();
+void add_out(const shell::Command& command, std::string& out, const std::string& what) {
+    out = "out/" + command.name();
+    command.add("-o,--out", out, "Folder for " + what + " (default: " + out + ")");
 }
 
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example) {

@@ -30,8 +30,8 @@ void add_formats(const shell::Command& command, std::vector<std::string>& format
 void add_pixels(const shell::Command& command, SharedOptions& shared);
 /// Adds --pictures. Only `--pictures all` also draws each picture of a contact sheet as its own file.
 void add_pictures(const shell::Command& command, std::string& pictures);
-/// Adds -o, which must be given.
-void add_out(const shell::Command& command, std::string& out);
+/// Adds -o, by default out/COMMAND.
+void add_out(const shell::Command& command, std::string& out, const std::string& what = "the results");
 /// Adds --size, --variant and --set for a command that takes scenes; `example` is an assignment for the help.
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
 

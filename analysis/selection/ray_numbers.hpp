@@ -30,8 +30,8 @@ public:
     [[nodiscard]] const std::vector<std::string>& of(Shape shape) const {
         return texts_[static_cast<std::size_t>(shape)];
     }
-    /// Declares the options.
-    void add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help);
+    /// Declares the options, which the help shows below a heading.
+    void add_to(const shell::Command& command, const std::string& heading);
     /// The shapes that are given, in the order of `shape_rows`.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool empty() const { return shapes().empty(); }

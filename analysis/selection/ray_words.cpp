@@ -338,10 +338,13 @@ AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::files
     return found;
 }
 
-void SolidWords::add_to(const shell::Command& command, const std::function<std::string(const ShapeRow&)>& help) {
+void SolidWords::add_to(const shell::Command& command, const std::string& heading) {
     std::vector<shell::Option> options;
     for (const ShapeRow& row : shape_rows)
-        options.push_back(command.add(fmt::format("--{}", row.name), of(row.shape), help(row)));
+        options.push_back(command
+                              .add(fmt::format("--{}", row.name), of(row.shape),
+                                   fmt::format("{}: {}", with_article(row.shape), option_words(row.shape)))
+                              .below(heading));
     order_ = command.order_of(options);
 }
 

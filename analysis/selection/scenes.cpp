@@ -183,14 +183,14 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
     return opened;
 }
 
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option) {
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format) {
     if (numbers == 0) return;
     fmt::print(
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
-        "with {}\n",
+        "with --file-format\n",
         files, scene::toml::counted(numbers, "value is not", "values are not"), format.name,
-        numbers == 1 ? "was" : "were", option);
+        numbers == 1 ? "was" : "were");
 }
 
 }  // namespace lostbits::analysis::selection

@@ -77,8 +77,7 @@ struct OpenedRays {
 OpenedRays open_rays(const RayFileWords& words, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
-/// Prints on stderr that `numbers` numbers of files were rounded to the format. `option` is the option that names
-/// another format.
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format, const char* option);
+/// Prints on stderr that `numbers` numbers of files were rounded to the format.
+void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format);
 
 }  // namespace lostbits::analysis::selection

@@ -39,7 +39,7 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     auto command = program.add_command("merge", "Shards of a run joined: the same files as the whole run writes");
     const auto o = std::make_shared<MergeOptions>();
     command.add("DIR", o->folders, "Folders of shards, or folders that hold them, in any order").required();
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    selection::add_out(command, o->out);
     command.add("--junit", o->junit, "Of claims: write JUnit XML");
     command.add("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
     command.add("--export-json", o->json, "Of claims: write JSON, one object per claim");

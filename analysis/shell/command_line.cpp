@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <type_traits>
 
 #include "output/blame/explain_command.hpp"
@@ -127,11 +128,15 @@ std::vector<std::string> assignments_in(const std::string& word) {
 Option Option::required() const { return Option(option_->required()); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
+Option Option::below(const std::string& heading) const { return Option(option_->group(heading)); }
 
 std::string Option::name() const { return option_->get_name(); }
 const std::vector<std::string>& Option::short_names() const { return option_->get_snames(); }
 const std::vector<std::string>& Option::long_names() const { return option_->get_lnames(); }
 const std::string& Option::help() const { return option_->get_description(); }
+std::string Option::heading() const {
+    return option_->get_group() == "Options" ? "" : option_->get_group();  // the parser's own
+}
 std::string Option::type() const { return option_->get_type_name(); }
 bool Option::is_argument() const { return option_->get_positional(); }
 bool Option::is_required() const { return option_->get_required(); }
@@ -206,7 +211,9 @@ Option Command::add_named(const std::string& option, const std::vector<std::stri
 
 Command Command::add_command(const std::string& name, const std::string& help) const {
     app_->require_subcommand(1);
-    return {app_->add_subcommand(name, help), chosen_};
+    CLI::App* const added = app_->add_subcommand(name, help);
+    added->footer("")->group("Subcommands");  // neither those of the command above: examples, and that it is hidden
+    return {added, chosen_};
 }
 
 Command Command::add_group(const std::string& name, const std::string& help) const {
@@ -233,6 +240,22 @@ void Command::runs(const std::function<Exit()>& run) const {
 const std::string& Command::name() const { return app_->get_name(); }
 std::string Command::help() const { return app_->get_description(); }
 
+void Command::shows(const std::vector<Example>& examples) const {
+    std::string text;
+    for (const Example& example : examples) text += example.line + "\n" + example.does + "\n";
+    app_->footer(text);
+}
+
+std::vector<Example> Command::examples() const {
+    std::vector<Example> all;
+    std::istringstream text(app_->get_footer());
+    for (Example one; std::getline(text, one.line) && std::getline(text, one.does);) all.push_back(one);
+    return all;
+}
+
+void Command::hide() const { app_->group(""); }
+bool Command::is_hidden() const { return app_->get_group().empty(); }
+
 std::vector<Option> Command::options() const {
     std::vector<Option> all;
     for (CLI::Option* option : app_->get_options()) all.emplace_back(option);
@@ -250,7 +273,8 @@ std::vector<Command> Command::inner(bool named) const {
 
 std::vector<std::string> Command::names_of_commands() const {
     std::vector<std::string> names;
-    for (const Command& command : inner(true)) names.push_back(command.name());
+    for (const Command& command : inner(true))
+        if (!command.is_hidden()) names.push_back(command.name());
     return names;
 }
 
@@ -267,26 +291,26 @@ std::string Command::given_words() const {
     return words;
 }
 
-CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help,
-                         const std::string& footer)
+CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help)
     : Command(nullptr, &run_), parser_(std::make_unique<CLI::App>(help, name)) {
     app_ = parser_.get();
     app_->fallthrough();
-    app_->footer(footer);
     app_->set_version_flag("--version", version);
 }
 
 CommandLine::~CommandLine() = default;
 
-bool CommandLine::parse(const std::vector<std::string>& words) {
+CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
     try {
         app_->parse(static_cast<int>(argv.size()), argv.data());
-        return true;
-    } catch (const CLI::Success& asked) {  // --help, --version
+        return Parsed::command;
+    } catch (const CLI::CallForHelp&) {
+        return Parsed::help;
+    } catch (const CLI::Success& asked) {  // --version
         app_->exit(asked);
-        return false;
+        return Parsed::version;
     } catch (const CLI::ParseError& error) {
         throw Misread(kind_of(error), error.what());
     }

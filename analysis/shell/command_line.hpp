@@ -46,12 +46,15 @@ public:
     Option required() const;
     Option excludes(Option other) const;
     Option needs(Option other) const;
+    /// Shown in the help below a heading of its own, with the others that are.
+    Option below(const std::string& heading) const;
 
     [[nodiscard]] std::string name() const;
     [[nodiscard]] const std::vector<std::string>& short_names() const;  ///< without hyphens
     [[nodiscard]] const std::vector<std::string>& long_names() const;
     [[nodiscard]] const std::string& help() const;
-    [[nodiscard]] std::string type() const;  ///< with its allowed values: `TEXT:{none,csv}`
+    [[nodiscard]] std::string heading() const;  ///< of its group in the help; empty: none of its own
+    [[nodiscard]] std::string type() const;     ///< with its allowed values: `TEXT:{none,csv}`
     [[nodiscard]] bool is_argument() const;
     [[nodiscard]] bool is_required() const;
     [[nodiscard]] bool takes_value() const;
@@ -63,6 +66,11 @@ public:
 
 private:
     CLI::Option* option_;
+};
+
+/// An example in a help: a command line, and a sentence that says what it does.
+struct Example {
+    std::string line, does;
 };
 
 /// A command, the program, or a group of options. A copy refers to the same command.
@@ -92,16 +100,23 @@ public:
     /// given, the index of its option in the list.
     [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
 
+    /// Adds the examples that the help shows.
+    void shows(const std::vector<Example>& examples) const;
+    /// Leaves the command out of every help and list: the program starts it by itself.
+    void hide() const;
+
     /// Sets the function that runs if this command is given.
     void runs(const std::function<Exit()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
+    [[nodiscard]] std::vector<Example> examples() const;
+    [[nodiscard]] bool is_hidden() const;
     [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
     [[nodiscard]] Option option(const std::string& name) const;                  ///< false if there is none
     [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
-    [[nodiscard]] std::vector<std::string> names_of_commands() const;
+    [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones
     [[nodiscard]] std::vector<Command> given() const;  ///< itself, its subcommand that was given, and so on
     [[nodiscard]] std::string given_words() const;     ///< their names: `lostbits plugin check`
 
@@ -123,13 +138,13 @@ struct Misread : std::runtime_error {
 
 class CommandLine : public Command {
 public:
-    CommandLine(const std::string& name, const std::string& version, const std::string& help,
-                const std::string& footer);
+    CommandLine(const std::string& name, const std::string& version, const std::string& help);
     ~CommandLine();
 
-    /// Parses the words; the first is the name of the program. Returns false if they asked for help or the version,
-    /// which is then printed. Throws Misread, or what a check throws.
-    [[nodiscard]] bool parse(const std::vector<std::string>& words);
+    enum class Parsed { command, help, version };
+    /// Parses the words; the first is the name of the program. If they asked for the version, it is printed. Throws
+    /// Misread, or what a check throws.
+    [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
     /// Runs the command that was given.
     [[nodiscard]] Exit run() const { return run_(); }
 

@@ -26,17 +26,18 @@ std::string heading(const OptionRow& option) {
     std::string text;
     for (const std::string& name : option.names) text += (text.empty() ? "" : ", ") + ("\\fB" + roff(name) + "\\fR");
     const bool is_option = option.names.front().front() == '-';
-    if (is_option && option.takes_value)
-        text += option.values.kind == Values::Kind::words
-                    ? " " + roff(fmt::format("{}", fmt::join(option.values.words, "|")))
-                : option.several ? " \\fIVALUE\\fR[,\\fIVALUE\\fR]..."
-                                 : " \\fIVALUE\\fR";
+    if (is_option && option.takes_value) text += " \\fI" + roff(option.value) + "\\fR";
     return text;
 }
 
 std::string paragraphs(const std::vector<OptionRow>& options) {
     std::string text;
-    for (const OptionRow& option : options) text += ".TP\n" + heading(option) + "\n" + roff(option.help) + "\n";
+    std::string above;
+    for (const OptionRow& option : options) {
+        if (option.heading != above && !option.heading.empty()) text += ".PP\n" + roff(option.heading) + ":\n";
+        above = option.heading;
+        text += ".TP\n" + heading(option) + "\n" + roff(option.help) + "\n";
+    }
     return text;
 }
 
@@ -76,6 +77,9 @@ std::string manual_page(const Command& program, const std::string& version, cons
         for (const CommandRow& inner : command.commands)
             text += ".TP\n\\fB" + inner.name + "\\fR\n" + roff(inner.help) + "\n";
         text += paragraphs(command.arguments) + paragraphs(command.options);
+        if (!command.examples.empty()) text += ".PP\nExamples:\n";
+        for (const Example& example : command.examples)
+            text += ".TP\n\\fB" + roff(example.line) + "\\fR\n" + roff(example.does) + "\n";
     }
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
     // Adds the sections of the footer; their headings end with a colon.

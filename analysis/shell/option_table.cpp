@@ -1,7 +1,12 @@
 #include "analysis/shell/option_table.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <regex>
 #include <string_view>
 
 namespace lostbits::analysis::shell {
@@ -17,7 +22,7 @@ Values known_values(const std::string& name) {
     };
     static const Known known[] = {
         {{Kind::names, {"forms"}}, {"intersector", "against"}},
-        {{Kind::names, {"formats"}}, {"format", "f", "as"}},
+        {{Kind::names, {"formats"}}, {"format", "file-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
         {{Kind::names, {"strategies"}}, {"strategy"}},
         {{Kind::names, {"checks"}}, {"check"}},
@@ -26,7 +31,8 @@ Values known_values(const std::string& name) {
         {{Kind::names, {"sweeps"}}, {"SWEEP"}},
         {{Kind::names, {"scenes", "sweeps"}}, {"SUBJECT"}},
         {{Kind::folders, {}}, {"out", "data", "report"}},
-        {{Kind::files, {}}, {"plugin", "junit", "export-csv", "export-json", "FILE", "CLAIMS", "LIBRARY", "A", "B"}}};
+        {{Kind::files, {}},
+         {"plugin", "shader", "junit", "export-csv", "export-json", "FILE", "CLAIMS", "LIBRARY", "A", "B"}}};
     const auto found = std::ranges::find_if(
         known, [&name](const Known& k) { return std::ranges::find(k.options, name) != k.options.end(); });
     return found == std::end(known) ? Values{} : found->values;
@@ -43,10 +49,34 @@ std::vector<std::string> set_of(const Option& option) {
     return words;
 }
 
+std::string joined(const std::vector<std::string>& words, const char* between) {
+    return fmt::format("{}", fmt::join(words, between));
+}
+
+/// The way to write the value of an option, whose type may say between which ends it lies: `INT:INT in [1 - 1024]`.
+std::string written(const OptionRow& row, const std::string& type) {
+    using Kind = Values::Kind;
+    static const std::map<std::string_view, const char*> forms{{"--size", "WxH"},      {"--pipe", "COMMAND"},
+                                                               {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
+                                                               {"--pixel", "X,Y"},     {"--range", "LO:HI"}};
+    if (row.values.kind == Kind::words) return joined(row.values.words, "|");
+    if (const auto form = forms.find(row.names.back()); form != forms.end()) return form->second;
+    static const std::regex ends(R"(.* in \[(.*) - (.*)\])");
+    std::smatch part;
+    if (std::regex_match(type, part, ends)) return part[1].str() + ".." + part[2].str();
+    const std::string one = row.values.kind == Kind::names     ? "NAME"
+                            : row.values.kind == Kind::files   ? "FILE"
+                            : row.values.kind == Kind::folders ? "FOLDER"
+                            : type == "UINT"                   ? "COUNT"
+                                                               : "VALUE";
+    return one + (row.several ? ",..." : "");
+}
+
 OptionRow row_of(const Option& option) {
     OptionRow row;
     row.help = option.help();
     row.takes_value = option.takes_value();
+    row.heading = option.heading();
     row.several = option.takes_several();
     row.required = option.is_required();
     std::vector<std::string> bare;
@@ -59,13 +89,22 @@ OptionRow row_of(const Option& option) {
     for (const std::string& name : bare) {
         if (row.values.kind == Values::Kind::anything) row.values = known_values(name);
     }
+    if (!option.is_argument()) row.value = written(row, option.type());
+    else if (row.values.kind == Values::Kind::words) row.value = joined(row.values.words, "|");
     return row;
 }
 
 void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
     for (const Option& option : command.options())
         (option.is_argument() ? arguments : options).push_back(row_of(option));
-    for (const Command& group : command.groups()) add_options(group, options, arguments);
+    for (const Command& group : command.groups()) {
+        const std::size_t first = options.size();
+        add_options(group, options, arguments);
+        options.erase(std::remove_if(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(),
+                                     [](const OptionRow& row) { return row.names.back() == "--help"; }),
+                      options.end());
+        for (std::size_t i = first; i < options.size(); ++i) options[i].heading = group.help() + ", one of these";
+    }
 }
 
 /// Adds the options that are not in the list yet.
@@ -89,10 +128,11 @@ std::vector<OptionRow> common_options(const Command& program) {
     return options;
 }
 
-std::vector<CommandRow> command_table(const Command& program) {
+std::vector<CommandRow> command_table(const Command& program, bool hidden_too) {
     std::vector<CommandRow> rows;
     for (const Command& command : program.commands()) {
-        CommandRow row{command.name(), command.help(), {}, {}, command_table(command)};
+        if (command.is_hidden() && !hidden_too) continue;
+        CommandRow row{command.name(), command.help(), command.examples(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);
         for (const CommandRow& inner : row.commands) {
             add_new(inner.options, row.options);

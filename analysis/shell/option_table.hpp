@@ -19,6 +19,8 @@ struct Values {
 struct OptionRow {
     std::vector<std::string> names;  ///< `-i`, `--intersector`; an argument has one: SCENE
     std::string help;
+    std::string heading;  ///< under which the help shows it with others; empty: none of its own
+    std::string value;    ///< how its value is written: `auto|bar|none`, `1..1024`, FILE; empty: it takes none
     bool takes_value = false;
     bool several = false;  ///< between commas, or one argument after another
     bool required = false;
@@ -27,6 +29,7 @@ struct OptionRow {
 
 struct CommandRow {
     std::string name, help;
+    std::vector<Example> examples;
     std::vector<OptionRow> options, arguments;  ///< with those of its subcommands
     std::vector<CommandRow> commands;           ///< subcommands: `plugin check`
 
@@ -35,8 +38,12 @@ struct CommandRow {
 
 /// The options that every command takes.
 std::vector<OptionRow> common_options(const Command& program);
-/// The commands of the program, or the subcommands of a command.
-std::vector<CommandRow> command_table(const Command& program);
+/// The commands of the program, or the subcommands of a command; with hidden ones if `hidden_too`.
+std::vector<CommandRow> command_table(const Command& program, bool hidden_too = false);
+
+/// Text that `--help` prints for the command that was given, or for the program. `footer` stands below that of the
+/// program.
+std::string help_page(const Command& program, const std::string& footer);
 
 /// Completion scripts for bash, zsh and fish. They ask the program for names of forms, scenes and so on when they need
 /// them, so names in the user's own data are offered too.

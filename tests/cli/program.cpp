@@ -67,7 +67,7 @@ std::set<std::string> commands() {
     std::set<std::string> names;
     bool below = false;
     for (std::string line; std::getline(help, line);) {
-        if (line.starts_with("Subcommands:")) below = true;
+        if (line.starts_with("Commands:")) below = true;
         else if (below && line.starts_with("  ") && line[2] != ' ') names.insert(line.substr(2, line.find(' ', 2) - 2));
         else if (below && !line.starts_with(' ')) below = false;
     }

@@ -67,25 +67,25 @@ TEST_CASE("diff: a difference has its line, its column and its size, and exits w
 
 TEST_CASE("diff: tolerances and ignored columns by name and glob, before and after the files") {
     const std::string a = "x_max,y_max,t_hex\n1,10,0x1p+0\n", b = "x_max,y_max,t_hex\n1.5,11,0x1p+1\n";
-    CHECK(diff(a, b, "--tolerance 'x_*=0.5' --tolerance y_max=0,0.1 --ignore t_hex").code == 0);
-    CHECK(diff(a, b, "--tolerance 'x_*=0.4' --tolerance y_max=0,0.1 --ignore t_hex").code == 1);
-    CHECK(diff(a, b, "--tolerance 'x_*=0.5' --tolerance y_max=0,0.1").code == 1);
+    CHECK(diff(a, b, "--allow 'x_*=0.5' --allow y_max=0,0.1 --ignore t_hex").code == 0);
+    CHECK(diff(a, b, "--allow 'x_*=0.4' --allow y_max=0,0.1 --ignore t_hex").code == 1);
+    CHECK(diff(a, b, "--allow 'x_*=0.5' --allow y_max=0,0.1").code == 1);
     CHECK(diff(a, b, "--ignore '*'").code == 0);
     const Scratch scratch;
     scratch.write("a.csv", a);
     scratch.write("b.csv", b);
-    must("diff --tolerance '*=1' a.csv b.csv", scratch.path());
+    must("diff --allow '*=1' a.csv b.csv", scratch.path());
     must("diff --ignore '*' a.csv b.csv", scratch.path());
 }
 
 TEST_CASE("diff: twenty lines a file and the number of the others, all of them with -v") {
     std::string a = "x,y\n", b = a;
     for (int i = 0; i < 33; ++i) a += "1,5\n", b += "2,6\n";
-    const auto r = diff(a, b, "--tolerance y=1");
+    const auto r = diff(a, b, "--allow y=1");
     CHECK(r.code == 1);
     CHECK(r.out.ends_with("a.csv: and 13 more; -v shows all\n"));
     CHECK_FALSE(has(r.out, "  y: "));
-    const auto all = diff(a, b, "--tolerance y=1 -v");
+    const auto all = diff(a, b, "--allow y=1 -v");
     CHECK(has(all.out, "a.csv:34: x: 1 != 2"));
     CHECK(has(all.out, "  y: 0 differ, largest abs 1 at line 2, largest rel 0.1667 at line 2\n"));
 }
@@ -128,8 +128,8 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
           "a.exr: 1 difference\n"
           "  press.f64: err.ulp: 1 differ, largest abs 0.5 at 0,0, largest rel 0.2 at 0,0\n"
           "a.exr: press.f64: err.ulp at 0,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
-    CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).out == "same\n");
-    CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
+    CHECK(run("diff a.exr b.exr --allow err.ulp=0.5", scratch.path()).out == "same\n");
+    CHECK(run("diff a.exr b.exr --allow err.upl=0.5", scratch.path()).code == 2);
     must("diff a.exr a.exr --ignore err.ulp", scratch.path());
     CHECK(run("diff a.exr c.exr", scratch.path()).out ==
           "a.exr: 3 differences\n"
@@ -168,7 +168,7 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     scratch.write("two/sub/u.csv", "y\n2\n");
     CHECK(compare().code == 1);
     CHECK(has(compare().out, "one/sub/u.csv:2: y: 1 != 2"));
-    CHECK(compare("--tolerance y=1").code == 0);
+    CHECK(compare("--allow y=1").code == 0);
     CHECK(compare("--ignore y").code == 0);
     CHECK(compare("--ignore z").code == 2);
     scratch.write("two/sub/u.csv", "y\n1\n");

@@ -53,17 +53,17 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
               "lost_bits_p99\n"));
     CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
     // What is left out or forgiven decides nothing.
-    CHECK(has(run("diff one two --ignore false_miss --tolerance lost_bits_p99=3", scratch.path()).out,
+    CHECK(has(run("diff one two --ignore false_miss --allow lost_bits_p99=3", scratch.path()).out,
               "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
     CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));
-    CHECK(has(run("diff one two --pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
+    CHECK(has(run("diff one two --compare-pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
 
     // The pictures alone do not count, unless they are asked for.
     fs::copy_file(scratch / "one/map/summary.csv", scratch / "two/map/summary.csv",
                   fs::copy_options::overwrite_existing);
     CHECK(run("diff one two", scratch.path()).out == "same\n");
-    CHECK(run("diff one two --pictures", scratch.path()).code == 1);
+    CHECK(run("diff one two --compare-pictures", scratch.path()).code == 1);
     CHECK(run("diff one two --strict", scratch.path()).code == 1);
     for (const char* folder : {"one", "two"}) fs::remove(scratch.path() / folder / "map/summary.csv");
     const auto nothing = run("diff one two", scratch.path());

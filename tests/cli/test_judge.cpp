@@ -14,7 +14,7 @@ using namespace lostbits::test;
 namespace {
 
 const fs::path dumps = fs::path(LOSTBITS_DATA_DIR) / "dumps";
-const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --format f32 --sphere 0,0,0,1";
+const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --file-format f32 --sphere 0,0,0,1";
 const std::string far_raw =
     "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
 const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
@@ -37,7 +37,7 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
     const Scratch scratch;
     must("judge " + far_csv + into(scratch, "a"));
     must("judge " + far_raw + into(scratch, "b"));
-    must("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
+    must("judge /dev/stdin --container csv --file-format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
          "cat '" + (dumps / "far-sphere.csv").string() + "' |");
     const auto a = read_csv(scratch / "a/far-sphere/summary.csv");
     const auto b = read_csv(scratch / "b/far-sphere/summary.csv");
@@ -136,12 +136,12 @@ TEST_CASE("the rows of judged rays keep the columns of the file") {
 
 TEST_CASE("the worst rays of a file are cases that the formula of its answers gets as wrong") {
     const Scratch scratch;
-    must("judge " + far_csv + " --worst 3" + into(scratch));
+    must("judge " + far_csv + " --worst-rays 3" + into(scratch));
     const std::string cases = (scratch / "out/far-sphere/worst.toml").string();
     must("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
     const auto rows = read_csv(scratch / "again/worst/cases.csv");
     CHECK(rows.size() == 9);  // three errors, three false misses, three false hits
-    must("judge " + far_csv + " --worst 0" + into(scratch));
+    must("judge " + far_csv + " --worst-rays 0" + into(scratch));
     CHECK_FALSE(fs::exists(cases));
     std::size_t false_hits = 0;
     for (const auto& row : rows) {
@@ -188,7 +188,7 @@ TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
     const std::string file = scratch.write("rays.csv", text);
     const auto wrong = must("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wrong.err, "--direction unit"));
-    const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --format f32" + into(scratch));
+    const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --file-format f32" + into(scratch));
     CHECK(right.err.empty());
     CHECK(read_csv(scratch / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
 }
@@ -198,10 +198,10 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
+    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --file-format f32" + into(scratch));
     CHECK(has(r.err, "20 values are not representable in f32 and were rounded"));
     const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
-    CHECK(has(wide.err, "--format f32"));
+    CHECK(has(wide.err, "--file-format f32"));
     CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("what judge suspects is said in words of files") {
     const Scratch scratch;
     const auto judged = [&](const std::string& rows, const std::string& options) {
         const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n" + rows);
-        const auto r = must("judge '" + file + "' --format f32 " + options + into(scratch));
+        const auto r = must("judge '" + file + "' --file-format f32 " + options + into(scratch));
         for (const char* word : {"unit_direction", "flags", "inside=", "hand over", "whole_line", "roots"})
             CHECK_FALSE(has(r.err, word));
         return r.err;
@@ -250,7 +250,7 @@ TEST_CASE("primitives have the numbers in which they are written, whatever their
         scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,9,0,0,-1,1,3,0\n0,0,9,0,0,-1,1,3,1\n");
     const std::string box = " --box=-1,-1,-1,1,1,2", sphere = " --sphere=0,0,4,2";
     const auto outcomes = [&](const std::string& solids) {
-        must("judge '" + file + "' --format f64 --rows" + solids + into(scratch));
+        must("judge '" + file + "' --file-format f64 --rows" + solids + into(scratch));
         std::vector<std::string> found;
         for (const auto& row : read_csv(scratch / "out/rays/file.rays.f64.csv")) found.push_back(row.at("outcome"));
         return found;
@@ -283,7 +283,7 @@ TEST_CASE("one form has one set of outcomes at a mesh, judged and mapped") {
     const std::string file =
         scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,4,0,0,-1,1,4,0\n0,0,4,0,0,-1,1,4,1\n");
     const auto r =
-        must("judge '" + file + "' --format f32 --scene '" + scene + "' -i triangle.woop --rows" + into(scratch));
+        must("judge '" + file + "' --file-format f32 --scene '" + scene + "' -i triangle.woop --rows" + into(scratch));
     CHECK(has(r.out, "double hit"));
     must("map '" + scene + "' -i triangle.woop -f f32 --pixels csv" + into(scratch));
     const std::string mapped = read_csv(scratch / "out/quad/triangle.woop.f32.csv").at(0).at("outcome");

@@ -71,7 +71,7 @@ TEST_CASE("numbers of any size are compared in no time") {
     scratch.write("tiny.csv", tiny);
     scratch.write("hex.csv", hex);
     scratch.write("other.csv", other);
-    for (const char* words : {"huge.csv tiny.csv", "hex.csv other.csv", "huge.csv tiny.csv --tolerance x=0.5,1e-3"}) {
+    for (const char* words : {"huge.csv tiny.csv", "hex.csv other.csv", "huge.csv tiny.csv --allow x=0.5,1e-3"}) {
         const auto r = run("diff " + std::string(words), scratch.path(), at_most(5));
         INFO(words << r.err);
         CHECK(r.code == 1);

@@ -1,4 +1,4 @@
-// `lostbits map --bits-needed` and `--envelope` from the outside.
+// `lostbits map --bits` and `--envelope` from the outside.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -33,7 +33,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
     draw_pictures();
     const Scratch scratch;
     const auto r = must(
-        "map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed "
+        "map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits "
         "45 --pixels csv --exr -v" +
         into(scratch, ""));
     const auto folder = scratch / "rtg-fig-7-3-2000-oblique";
@@ -87,7 +87,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         }
         CHECK(attribute(exr, "lostbits:command") ==
               "lostbits map rtg-fig-7-3-2000-oblique -i 'sphere.schoolbook' -i 'sphere.unit_half_b' -f f32 "
-              "--bits-needed 45 --exr --size 48x40");
+              "--bits 45 --exr --size 48x40");
         CHECK(attribute(exr, "lostbits:scene") == "rtg-fig-7-3-2000-oblique");
         CHECK(attribute(exr, "lostbits:form") == row.at("form"));
     }
@@ -105,7 +105,7 @@ TEST_CASE("bits needed: the map beside them is as without") {
     // More pixels than a band has, so that rows come in two instalments.
     const std::string what = "map near-benign --size 150x230 -i sphere.schoolbook -f f32 --pixels csv --pictures all";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
-    must(what + " --bits-needed 12 --exr" + out("one"));
+    must(what + " --bits 12 --exr" + out("one"));
     must(what + out("plain"));
     std::size_t needed = 0, others = 0;
     for (const auto& name : scratch.files()) {
@@ -131,7 +131,7 @@ TEST_CASE("bits needed: the map beside them is as without") {
 TEST_CASE("bits needed: forms of one format are left out with a note") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const std::string out = " --bits-needed 12 --exr" + into(scratch);
+    const std::string out = " --bits 12 --exr" + into(scratch);
     const auto both = must("map " + scene + " -i sphere.double_inside -i sphere.unified" + out);
     CHECK(has(both.err, "sphere.double_inside"));
     CHECK_FALSE(has(both.err, "sphere.unified"));
@@ -142,7 +142,7 @@ TEST_CASE("bits needed: forms of one format are left out with a note") {
     CHECK_FALSE(fs::exists(scratch / "out/scene/sphere.double_inside.needed.png"));
     CHECK(run("map " + scene + " -q -i sphere.double_inside -i sphere.unified" + out).err.empty());
     for (const char* bits : {"1", "52"})  // the fewest and the most
-        must("map " + scene + " -i sphere.unified -f f32 --bits-needed " + bits + into(scratch));
+        must("map " + scene + " -i sphere.unified -f f32 --bits " + bits + into(scratch));
 }
 
 TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
@@ -186,16 +186,16 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     CHECK(contents(scratch / "with/grazing/summary.csv") == contents(scratch / "without/grazing/summary.csv"));
 }
 
-TEST_CASE("a long map with --bits-needed says how long it will take") {
+TEST_CASE("a long map with --bits says how long it will take") {
     const Scratch scratch;
     // Interrupted as soon as it has said so.
     const auto r =
-        run("map grazing --size 3000x3000 -i sphere.unified -f f32 --bits-needed 20 -o out 2>said & child=$!; "
-            "while ! grep -q 'bits-needed will take about' said && kill -0 $child; do sleep 0.2; done; kill -TERM "
+        run("map grazing --size 3000x3000 -i sphere.unified -f f32 --bits 20 -o out 2>said & child=$!; "
+            "while ! grep -q 'bits will take about' said && kill -0 $child; do sleep 0.2; done; kill -TERM "
             "$child; wait $child; exit $?",
             scratch.path(), "set -m; ");
     CHECK(r.code == 130);
-    CHECK(has(contents(scratch / "said"), "lostbits: grazing --bits-needed will take about "));
+    CHECK(has(contents(scratch / "said"), "lostbits: grazing --bits will take about "));
 }
 
 }  // namespace test_map_needed

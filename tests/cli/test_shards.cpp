@@ -28,7 +28,7 @@ const Row rows[] = {
     {"map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64 --size 16x1800 --pictures all",
      {1, 2, 3, 7}},
     {"map near-benign -i sphere.schoolbook -f f32 --pixels csv --exr --envelope --metric lost_bits,culprit "
-     "--bits-needed 8 --size 8x1800 --pictures all",
+     "--bits 8 --size 8x1800 --pictures all",
      {3}},
     {"map near-benign two.toml -i sphere.press -f f32 --against sphere.unified --size 16x1800", {3}},
     {"sweep every.toml -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7}},
@@ -38,11 +38,12 @@ const Row rows[] = {
     {"sweep box-nearly-parallel extremes/scale -f f32", {3}},
     {"sweep worst/near --worst -i sphere.schoolbook -i sphere.press -f f32 --set starts=2", {2, 5}},
     {"sweep worst/mesh-edges --worst -i triangle.undivided -i triangle.plucker -f f32 --set rays=2048", {2, 3}},
-    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64 --rows --worst 5", {1, 9, 3}},
-    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64 --size 200x330 --metric "
+    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook -f f64 --rows --worst-rays 5", {1, 9, 3}},
+    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook -f f64 --size 200x330 --metric "
      "lost_bits,ulp_error",
      {2}},
-    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits 20",
+    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits "
+     "20",
      {4}},
     {"check --filter 'float.*'", {1, 2, 5}, "--report"},
 };
@@ -151,7 +152,7 @@ TEST_CASE("every command that can be divided is") {
 TEST_CASE("a file of rays that does not fill its picture is refused when its shards are joined") {
     const Scratch scratch;
     scratch.write("rays.csv", rays_csv());
-    must("judge rays.csv --sphere 0,0,0,1 --format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
+    must("judge rays.csv --sphere 0,0,0,1 --file-format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
     const auto merged = run("merge p -o j", scratch.path());
     CHECK(merged.code == 2);
     CHECK(has(merged.err, "its --size is columns x rows"));

@@ -125,7 +125,7 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     CHECK_FALSE(has(said.out, "warning"));
     for (const char* words :
          {"NAME", "SYNOPSIS", "EXIT STATUS", "ENVIRONMENT", "LOSTBITS_DATA", "lostbits sweep SWEEP... [OPTION]...",
-          "lostbits plugin check [LIBRARY] [OPTION]...", "lostbits plugin serve LIBRARY [OPTION]...",
+          "lostbits plugin check [LIBRARY] [OPTION]...", "lostbits merge parts -o -",
           "lostbits explain [SCENE] [OPTION]...", "lostbits completion bash|zsh|fish [OPTION]..."})
         CHECK(has(said.out, words));
     for (const std::string command : {"check", "map", "explain", "judge"}) {
@@ -178,7 +178,7 @@ TEST_CASE("JUnit says how long each claim took") {
 
 TEST_CASE("what the documents call data/… is found from any folder, and what lies here under that name comes first") {
     const Scratch elsewhere;
-    const std::string judge = "judge data/dumps/far-sphere.csv --format f32 --sphere 0,0,0,1 -o out";
+    const std::string judge = "judge data/dumps/far-sphere.csv --file-format f32 --sphere 0,0,0,1 -o out";
     const auto found = must(judge, elsewhere.path());
     CHECK(has(found.out, "1536 rays of"));
     must("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
@@ -186,7 +186,7 @@ TEST_CASE("what the documents call data/… is found from any folder, and what l
     fs::create_directories(elsewhere / "data/dumps");
     elsewhere.write("data/dumps/far-sphere.csv", "ox,oy,oz,dx,dy,dz,t,hit\n0,0,-5,0,0,1,4,1\n");
     CHECK(has(run(judge + "2", elsewhere.path()).out, "1 ray of"));
-    const auto none = run("judge data/dumps/none.csv --format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
+    const auto none = run("judge data/dumps/none.csv --file-format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
     CHECK(none.code == 2);
     CHECK(has(none.err, "data/dumps/none.csv"));
 }

@@ -101,8 +101,8 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     }
     const std::string head = "ox,oy,oz,dx,dy,dz";
     const std::string file = folder.write("rays.csv", head + names + "\n" + with_matrices);
-    must("judge '" + file + "' --format f32 --sphere=" + solid + " -i sphere.unified@pbrt -i sphere.unified --rows" +
-         into(folder));
+    must("judge '" + file + "' --file-format f32 --sphere=" + solid +
+         " -i sphere.unified@pbrt -i sphere.unified --rows" + into(folder));
     const auto rows = read_csv(folder / "out/rays/summary.csv");
     const auto map = read_csv(folder / "out/instance-far.sphere/summary.csv");
     REQUIRE(rows.size() == 2);
@@ -119,7 +119,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
     // Given once, with the solid: the same again.
-    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --format f32 --sphere=" + solid + "@" +
+    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --file-format f32 --sphere=" + solid + "@" +
          matrix.substr(1) + " -i sphere.unified@pbrt" + into(folder));
     CHECK(read_csv(folder / "out/once/summary.csv")[0].at("lost_bits_p99") == rows[0].at("lost_bits_p99"));
     // A singular one is refused with its line.
@@ -141,7 +141,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
 TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {
     const Scratch folder;
     const std::string out = into(folder);
-    must("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
+    must("trade instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::space::spaces().size());
     CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));

@@ -200,6 +200,21 @@ TEST_CASE("contract: twice a radius and its square are told apart", "[doors]") {
     CHECK(words(with_radius([](double r) { return r + 2; })).starts_with("t is wrong"));
 }
 
+TEST_CASE("contract: an answer that is not a number is told how a miss is marked", "[doors]") {
+    using R = const Ray<double>&;
+    using S = const Solid<double>&;
+    const auto never = broken_of(
+        solved_by(Shape::sphere, [](R ray, S solid) { return right(ray, solid) ? Found(std::nan("")) : Found(); }));
+    REQUIRE(never.contains("t"));
+    CHECK(never.at("t").starts_with("t is not a number"));
+    const auto for_a_miss = broken_of(solved_by(Shape::sphere, [](R ray, S solid) {
+        const Found t = right(ray, solid);
+        return t ? t : Found(std::nan(""));
+    }));
+    REQUIRE(for_a_miss.contains("aside"));
+    CHECK(for_a_miss.at("aside").starts_with("a ray that passes by hits with a t that is not a number; set hit to 0"));
+}
+
 TEST_CASE("contract: a surface at the origin is asked about from the sides that are met", "[doors]") {
     for (const Shape shape : {Shape::triangle, Shape::disc, Shape::plane}) {
         const auto one_sided = broken_of(solved_by(shape, [](const Ray<double>& ray, const Solid<double>& solid) {

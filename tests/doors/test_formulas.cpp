@@ -32,7 +32,7 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
     struct Case {
         Pair forms;
         const char* scene;
-        const char* how = " -f f32 -f f64 -f fp16 -f p20 --bits-needed 12";
+        const char* how = " -f f32 -f f64 -f fp16 -f p20 --bits 12";
     };
     for (const auto& [forms, scene, how] :
          {Case{{"sphere.unified", "own.unified"}, "rtg-fig-7-3-4100-oblique"},

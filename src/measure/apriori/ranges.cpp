@@ -94,7 +94,7 @@ void put_asked(InputBox& box, const RangesRequest& request, const std::vector<st
     for (const GivenRange& asked : request.asked) {
         const auto found = std::ranges::find(names, asked.name);
         if (found == names.end())
-            throw InputError(fmt::format("--range {}: {} has no input of that name; {}", asked.name,
+            throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", asked.name,
                                          request.form->info->name, scene::toml::did_you_mean(asked.name, names)));
         box[static_cast<std::size_t>(found - names.begin())] = {
             rounding::to_format(asked.range.low, 0, request.format.parameters),

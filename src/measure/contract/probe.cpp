@@ -166,6 +166,8 @@ void try_t(Trial& trial) {
     if (is_answer(plain.near, 7)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
+    if (std::isnan(plain.near))
+        return trial.broken("t is not a number" + where + "; compute a t for every hit, and set hit to 0 for a miss");
     trial.broken("t is wrong" + where);
 }
 
@@ -226,8 +228,13 @@ void try_aside(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
     if (ends_of(q, trial.shape)) return trial.told("no ray passes by " + with_article(trial.shape));
-    trial.hold(trial.ask(q).hit == 0, "a ray that passes by misses",
-               "a ray that passes by hits; is this how it marks a miss (for a shader: miss=)?");
+    const Reply by = trial.ask(q);
+    const bool is_nan = trial.tells_t && by.hit == 1 && std::isnan(by.near);
+    trial.hold(by.hit == 0, "a ray that passes by misses",
+               is_nan
+                   ? "a ray that passes by hits with a t that is not a number; set hit to 0 there (`return miss`; for "
+                     "a shader: miss=)"
+                   : "a ray that passes by hits; is this how it marks a miss (for a shader: miss=)?");
 }
 
 void try_end(Trial& trial) {

@@ -37,7 +37,7 @@ struct Price {
 std::vector<intersect::doors::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
                                                 const Workshop& workshop);
 
-/// Times all rows in one run, on rays of the scene, as `lostbits trade --scene` does.
+/// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
 std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan);
 

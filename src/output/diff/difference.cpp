@@ -18,8 +18,8 @@ using file::CellValue;
 Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0) {
-        throw InputError(fmt::format(
-            "--tolerance {}: not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+        throw InputError(
+            fmt::format("--allow {}: not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
@@ -27,7 +27,7 @@ Tolerance parse_tolerance(const std::string& text) {
         const CellValue value = file::read_cell(word);
         if (value.kind == CellValue::Kind::number && !value.negative) return value;
         throw InputError(
-            fmt::format("--tolerance {}: \"{}\" is not a finite number of at least 0; write such a number, or leave "
+            fmt::format("--allow {}: \"{}\" is not a finite number of at least 0; write such a number, or leave "
                         "the column out with --ignore",
                         text, word));
     };

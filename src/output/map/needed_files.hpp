@@ -1,4 +1,4 @@
-// Files of `--bits-needed`: a heatmap per form, needed.csv, and parts of the EXR.
+// Files of `--bits`: a heatmap per form, needed.csv, and parts of the EXR.
 #pragma once
 
 #include <filesystem>

@@ -247,8 +247,8 @@ void require_schema(TableReader& file, std::string_view schema) {
     if (kind == wanted_kind && version > newest)
         file.fail_at("schema", "is " + quoted_excerpt(found) +
                                    ", newer than this program reads; use a newer lostbits, or write " + expected);
-    file.fail_at("schema", "is " + quoted_excerpt(found) +
-                               ", which is another kind of file than expected here; write " + expected);
+    file.fail_at("schema", "is " + quoted_excerpt(found) + ", which is another kind of file than " +
+                               quoted_excerpt(schema) + ", expected here; name a file of that kind");
 }
 
 }  // namespace lostbits::scene::toml

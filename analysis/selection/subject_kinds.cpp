@@ -1,0 +1,221 @@
+#include "analysis/selection/subject_kinds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <initializer_list>
+#include <regex>
+#include <string_view>
+#include <vector>
+
+#include "number/error.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits::analysis::selection {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = SubjectKind;
+
+struct KindRow {
+    Kind kind;
+    const char* noun;
+    const char* command;  ///< which takes one; {} is its name
+};
+constexpr KindRow kind_rows[] = {
+    {Kind::scene, "a scene", "lostbits map {}"},
+    {Kind::sweep, "a sweep", "lostbits sweep {}"},
+    {Kind::cases, "a file of cases", "lostbits sweep {}"},
+    {Kind::search, "a search for the worst rays", "lostbits sweep {} --worst"},
+    {Kind::claims, "a file of claims", "lostbits check {}"},
+    {Kind::choices, "the choice of a report", "lostbits report"},
+    {Kind::rays, "a file of rays", "lostbits judge {}"},
+    {Kind::library, "a library or a program", "lostbits plugin check {}"},
+    {Kind::shader, "a shader", "lostbits plugin check --shader {}"},
+    {Kind::results, "a folder of results", "lostbits diff {} OTHER"},
+    {Kind::picture, "a picture", "lostbits diff {} OTHER --strict"},
+};
+
+const KindRow& row_of(Kind kind) { return *std::ranges::find(kind_rows, kind, &KindRow::kind); }
+
+/// The kinds that an argument takes.
+struct Taken {
+    const char *command, *argument;
+    const char* with;  ///< only with this option; empty: in any other case
+    std::initializer_list<Kind> kinds;
+};
+const Taken taken_rows[] = {
+    {"check", "CLAIMS", "", {Kind::claims}},
+    {"choose", "SCENE", "", {Kind::scene, Kind::rays}},
+    {"choose", "--scene", "", {Kind::scene}},
+    {"consistency", "SCENE", "", {Kind::scene}},
+    {"explain", "SCENE", "--case", {Kind::cases}},
+    {"explain", "SCENE", "--worst", {Kind::scene, Kind::sweep, Kind::cases}},
+    {"explain", "SCENE", "--ranges", {Kind::scene, Kind::sweep}},
+    {"explain", "SCENE", "", {Kind::scene}},
+    {"judge", "FILE", "", {Kind::rays}},
+    {"judge", "--scene", "", {Kind::scene}},
+    {"map", "SCENE", "", {Kind::scene}},
+    {"mend", "SCENE", "", {Kind::scene, Kind::rays}},
+    {"mend", "--scene", "", {Kind::scene}},
+    {"offsets", "SCENE", "", {Kind::scene}},
+    {"plugin", "LIBRARY", "", {Kind::library}},
+    {"render", "SCENE", "", {Kind::scene}},
+    {"report", "SUBJECT", "", {Kind::scene, Kind::sweep, Kind::cases, Kind::search}},
+    {"sweep", "SWEEP", "", {Kind::sweep, Kind::cases, Kind::search}},
+    {"trade", "SCENE", "", {Kind::scene}},
+};
+
+/// The kind of a sweep file; one that cannot be read is explained by who reads it.
+Kind kind_of_sweep(const fs::path& path) {
+    using scene::sweep::SweepKind;
+    try {
+        const SweepKind kind = scene::sweep::sweep_kind(path);
+        return kind == SweepKind::cases                                      ? Kind::cases
+               : kind == SweepKind::search || kind == SweepKind::edge_search ? Kind::search
+                                                                             : Kind::sweep;
+    } catch (const Error&) {
+        return Kind::sweep;
+    }
+}
+
+/// By the schema in its first lines; without one by the first table that only one kind has.
+std::optional<Kind> kind_of_toml(const std::string& begin, const fs::path& path) {
+    static const std::regex named(R"re((?:^|\n)[ \t]*"?schema"?[ \t]*=[ \t]*["']lostbits-([a-z]+)/)re");
+    static const std::regex table(R"re((?:^|\n)[ \t]*\[\[?(camera|claim|axis|case|search|edge_search)[\].])re");
+    static constexpr std::pair<std::string_view, Kind> kinds[] = {{"scene", Kind::scene},
+                                                                  {"camera", Kind::scene},
+                                                                  {"claims", Kind::claims},
+                                                                  {"claim", Kind::claims},
+                                                                  {"report", Kind::choices}};
+    std::smatch part;
+    if (!std::regex_search(begin, part, named) && !std::regex_search(begin, part, table)) return std::nullopt;
+    const std::string word = part[1];
+    if (const auto* const found = std::ranges::find(kinds, word, &std::pair<std::string_view, Kind>::first);
+        found != std::end(kinds))
+        return found->second;
+    if (word == "sweep" || part.str().find('[') != std::string::npos) return kind_of_sweep(path);
+    return std::nullopt;
+}
+
+std::string beginning_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string text(std::size_t{1} << 16, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+    return text;
+}
+
+/// Of a name in the data folder, where it is one of that kind there.
+std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs::path& data) {
+    std::error_code ignored;
+    const auto is_there = [&](const fs::path& path) { return fs::is_regular_file(path, ignored); };
+    try {
+        if (wanted == Kind::scene && is_there(scene::file::find_scene(word, data).path)) return Kind::scene;
+        if (wanted == Kind::sweep)
+            if (const auto path = scene::sweep::find_sweep(word, data); is_there(path)) return kind_of_sweep(path);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+    if (wanted == Kind::claims && is_there(data / "claims" / (word + ".toml"))) return Kind::claims;
+    return std::nullopt;
+}
+
+/// The kind of a subject; of a name that several kinds have, the first of these.
+std::optional<Kind> kind_of(const std::string& word, std::initializer_list<Kind> taken, const fs::path& data) {
+    std::error_code ignored;
+    if (fs::exists(word, ignored) && (fs::path(word).has_extension() || fs::is_regular_file(word, ignored)))
+        return kind_of_file(word);
+    std::vector<Kind> order{taken};
+    order.insert(order.end(), {Kind::scene, Kind::sweep, Kind::claims});
+    for (const Kind one : order)
+        if (const auto kind = kind_of_name(word, one, data)) return kind;
+    return kind_of_file(word);
+}
+
+/// "a scene, a sweep or a file of cases"
+std::string enumerated_or(const std::vector<std::string>& words) {
+    std::string text;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+    return text;
+}
+
+std::string nouns_of(std::initializer_list<Kind> kinds) {
+    std::vector<std::string> nouns;
+    for (const Kind kind : kinds) nouns.emplace_back(row_of(kind).noun);
+    return enumerated_or(nouns);
+}
+
+/// The options with which the command takes that kind.
+std::vector<std::string> options_taking(const Taken& refused, Kind kind) {
+    std::vector<std::string> options;
+    for (const Taken& row : taken_rows) {
+        if (std::string_view(row.command) == refused.command && std::string_view(row.argument) == refused.argument &&
+            row.with[0] != '\0' && std::ranges::find(row.kinds, kind) != row.kinds.end())
+            options.emplace_back(row.with);
+    }
+    return options;
+}
+
+void refuse_other_kind(const std::string& word, const Taken& row, const std::string& command, const fs::path& data) {
+    const auto kind = kind_of(word, row.kinds, data);
+    if (!kind || std::ranges::find(row.kinds, *kind) != row.kinds.end()) return;
+    // A folder of claims may hold results too.
+    if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
+    const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), output::blame::shell_word(word));
+    if (const auto options = options_taking(row, *kind); !options.empty())
+        throw InputError(fmt::format("{}: is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
+                                     command, enumerated_or(options),
+                                     options.size() > 1 ? "add one of them" : "add that", other));
+    throw InputError(fmt::format("{}: is {}, and {} takes {}; try `{}`", word, row_of(*kind).noun,
+                                 row.argument[0] == '-' ? std::string(row.argument) : "`" + command + "`",
+                                 nouns_of(row.kinds), other));
+}
+
+}  // namespace
+
+std::optional<SubjectKind> kind_of_file(const fs::path& path) {
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored))
+        return fs::is_regular_file(path / "manifest.json", ignored) ? std::optional(Kind::results) : std::nullopt;
+    if (!fs::is_regular_file(path, ignored)) return std::nullopt;
+    const std::string begin = beginning_of(path), ending = path.extension().string();
+    static constexpr std::pair<std::string_view, Kind> magic[] = {{"\x7f"
+                                                                   "ELF",
+                                                                   Kind::library},
+                                                                  {"\x93NUMPY", Kind::rays},
+                                                                  {"\x89PNG", Kind::picture},
+                                                                  {"\x76\x2f\x31\x01", Kind::picture}};
+    for (const auto& [bytes, kind] : magic)
+        if (begin.starts_with(bytes)) return kind;
+    static constexpr std::pair<std::string_view, Kind> endings[] = {
+        {".csv", Kind::rays}, {".npy", Kind::rays}, {".glsl", Kind::shader}, {".hlsl", Kind::shader}};
+    for (const auto& [text, kind] : endings)
+        if (ending == text) return kind;
+    return ending == ".toml" ? kind_of_toml(begin, path) : std::nullopt;
+}
+
+void refuse_other_kinds(const shell::Command& program, const fs::path& data) {
+    const std::vector<shell::Command> given = program.given();
+    const shell::Command& command = given.back();
+    std::vector<std::string> done;  // arguments whose row was found
+    for (const Taken& row : taken_rows) {
+        if (given.size() < 2 || given[1].name() != row.command || std::ranges::find(done, row.argument) != done.end())
+            continue;
+        if (row.with[0] != '\0' && command.option(row.with).words().empty()) continue;
+        done.emplace_back(row.argument);
+        const shell::Option argument = command.option(row.argument);
+        if (!argument) continue;
+        for (const std::string& word : argument.words()) refuse_other_kind(word, row, program.given_words(), data);
+    }
+}
+
+}  // namespace lostbits::analysis::selection

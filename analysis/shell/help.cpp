@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "analysis/shell/option_table.hpp"
+
+namespace lostbits::analysis::shell {
+
+namespace {
+
+constexpr std::size_t help_width = 110, help_column = 30;
+
+/// The text behind `indent` blanks, the first line of which is `started` characters long already.
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t started) {
+    std::string out;
+    std::size_t at = started;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(' ', begin), text.size());
+        if (at > indent && at + 1 + (end - begin) > help_width) {
+            out += "\n" + std::string(indent, ' ');
+            at = indent;
+        } else if (at > indent) {
+            out += ' ';
+            ++at;
+        }
+        out += text.substr(begin, end - begin);
+        at += end - begin;
+        begin = end + 1;
+    }
+    return out;
+}
+
+/// `  -f,--format NAME,...       Formats: …`
+std::string help_line(const std::string& word, const std::string& help) {
+    std::string line = "  " + word;
+    if (help.empty()) return line + "\n";
+    if (line.size() + 2 > help_column) line += "\n" + std::string(help_column, ' ');
+    else line.resize(help_column, ' ');
+    return line + wrapped(help, help_column, help_column) + "\n";
+}
+
+std::string option_word(const OptionRow& option) {
+    return fmt::format("{}", fmt::join(option.names, ",")) + (option.value.empty() ? "" : " " + option.value);
+}
+
+/// `SCENE...`, `[CLAIMS...]`
+std::string argument_word(const OptionRow& argument) {
+    const std::string word = argument.names.front() + (argument.several ? "..." : "");
+    return argument.required ? word : "[" + word + "]";
+}
+
+/// Those below each heading together, in the order of the headings.
+std::string option_sections(const std::vector<OptionRow>& options) {
+    std::vector<std::string> headings{""};
+    for (const OptionRow& option : options)
+        if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
+    std::string text;
+    for (const std::string& heading : headings) {
+        text += "\n" + (heading.empty() ? "Options" : heading) + ":\n";
+        for (const OptionRow& option : options)
+            if (option.heading == heading) text += help_line(option_word(option), option.help);
+    }
+    return text;
+}
+
+std::string example_lines(const std::vector<Example>& examples) {
+    std::string text = examples.empty() ? "" : "\nExamples:\n";
+    for (const Example& example : examples) text += fmt::format("  {}\n      {}\n", example.line, example.does);
+    return text;
+}
+
+/// Their names, without what they do.
+std::string common_lines(const std::vector<OptionRow>& common) {
+    std::string names;
+    for (const OptionRow& option : common)
+        if (option.names.back() != "--help" && option.names.back() != "--version")
+            names += (names.empty() ? "" : ", ") + option_word(option);
+    return "\nOptions of every command:\n  " + wrapped(names, 2, 2) + "\n";
+}
+
+std::string command_list(const std::vector<CommandRow>& commands) {
+    std::string text = commands.empty() ? "" : "\nCommands:\n";
+    for (const CommandRow& command : commands) text += help_line(command.name, command.help);
+    return text;
+}
+
+/// A command, or one of a command's own.
+CommandRow row_given(const Command& program) {
+    const std::vector<Command> given = program.given();
+    std::vector<CommandRow> rows = command_table(given[given.size() - 2], true);
+    return *std::ranges::find(rows, given.back().name(), &CommandRow::name);
+}
+
+}  // namespace
+
+std::string help_page(const Command& program, const std::string& footer) {
+    const std::vector<OptionRow> common = common_options(program);
+    if (program.given().size() == 1)
+        return program.help() + "\nUsage: lostbits COMMAND [OPTIONS]\n" + command_list(command_table(program)) +
+               option_sections(common) + "\n" + footer;
+    const CommandRow row = row_given(program);
+    std::string text = wrapped(row.help, 0, 0) + "\nUsage: " + program.given_words();
+    if (!row.commands.empty()) text += " COMMAND";
+    else
+        for (const OptionRow& argument : row.arguments) text += " " + argument_word(argument);
+    // Those of `plugin check` stand at `plugin`.
+    const std::vector<Command> given = program.given();
+    text += " [OPTIONS]\n" + example_lines(given[1].examples()) + command_list(row.commands);
+    if (row.commands.empty() && !row.arguments.empty()) {
+        text += "\nArguments:\n";
+        for (const OptionRow& argument : row.arguments)
+            text += help_line(argument_word(argument),
+                              argument.value.empty() ? argument.help : argument.help + ": " + argument.value);
+    }
+    return text + option_sections(row.options) + common_lines(common) +
+           "\n`lostbits --help` explains these, the exit status and the environment; `lostbits manual` has "
+           "everything.\n";
+}
+
+}  // namespace lostbits::analysis::shell
