@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "analysis/selection/select.hpp"
-#include "analysis/selection/suspicions.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/choice/candidates.hpp"

@@ -1,6 +1,5 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/suspicions.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"

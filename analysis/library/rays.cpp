@@ -3,7 +3,6 @@
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
 #include "analysis/selection/judge_words.hpp"
-#include "analysis/selection/suspicions.hpp"
 #include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"

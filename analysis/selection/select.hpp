@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <span>
@@ -175,5 +176,11 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
 /// Prints both notes for a scene that `set` has changed; nothing if `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
+
+/// A line `FORM FORMAT: text` for each row whose form is not in the catalogue and for which `suspicion` returns a text.
+/// It returns an empty text if nothing seems wrong (`measure::contract::suspicion`).
+std::vector<std::string> suspicions_of(
+    const std::vector<measure::evaluate::TestedForm>& rows,
+    const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
 }  // namespace lostbits::analysis::selection
