@@ -116,7 +116,7 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
     if (at.empty())
         throw InputError(
             fmt::format("--ranges: {} is a sweep; name one of its steps by --at-step {}", sweep.id, names));
-    const std::string what = fmt::format("a step of {}; write --at {}, one number for each", sweep.id, names);
+    const std::string what = fmt::format("a step of {}; write --at-step {}, one number for each", sweep.id, names);
     std::vector<double> values;
     for (const Real& x : selection::numbers_of(at, {"--at-step", what.c_str(), sweep.axes.size()}, {}))
         values.push_back(scene::toml::round_to_format(x, binary64));

@@ -186,7 +186,7 @@ async function plain({ open }) {
             `${alts}`);
     const bare = await open("grids", { scripts: false }),
           cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
-    for (const alt of ["sphere.unified in f64", "by the closed solid", "by the open solid", "exact tangents"])
+    for (const alt of ["sphere.unified in f64", "by the closed primitive", "by the open primitive", "exact tangents"])
         assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
 }
 

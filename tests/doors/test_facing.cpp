@@ -97,8 +97,8 @@ TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
     const auto found = std::find_if(forms.begin(), forms.end(), [](const auto& form) { return form["name"] == "a.x"; });
     REQUIRE(found != forms.end());
     CHECK((*found)["facing"] == "front");
-    check_refused_headers({{first + "shape=sphere\\nfacing=front", "leave it out of a sphere"},
-                           {first + "shape=tube\\nfacing=back", "leave it out of a tube"},
+    check_refused_headers({{first + "shape=sphere\\nfacing=front", "leave it out for a sphere"},
+                           {first + "shape=tube\\nfacing=back", "leave it out for a tube"},
                            {first + "shape=triangle\\nfacing=ahead", "it must be one of both, front, back"}});
 }
 

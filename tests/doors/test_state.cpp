@@ -145,7 +145,7 @@ TEST_CASE("state: who changes it is told so, once", "[doors]") {
         const auto loaded = told("load", map + door);
         INFO(door << loaded.err);
         CHECK(loaded.code == 0);
-        CHECK(count_in(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
+        CHECK(count_in(loaded.err, "changes how the processor computes (flush_to_zero) when it is loaded") == 1);
         const auto called = told("call", map + door);
         INFO(called.err);
         CHECK(called.code == 0);

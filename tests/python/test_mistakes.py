@@ -65,7 +65,7 @@ class Mistakes(unittest.TestCase):
             ("tmin is -4", lambda: lb.truth(O, D, S, tmin=-T)),
             ("tmax has 49 rows", lambda: lb.truth(O, D, S, tmax=T[1:])),
             ("by has shape (49,)", lambda: lb.judge(O, D, T, None, S, by=T[1:])),
-            ("number from 0", lambda: lb.judge(O, D, T, None, S, tolerance=-1)),
+            ("finite number of at least 0", lambda: lb.judge(O, D, T, None, S, tolerance=-1)),
         ):
             with self.subTest(words):
                 self.hold(wrong, words, ask)
