@@ -113,7 +113,7 @@ std::string beginning_of(const fs::path& path) {
     return text;
 }
 
-/// Of a name in the data folder, where it is one of that kind there.
+/// Kind of the file that the data folder has under this name, where files of kind `wanted` are; nothing without one.
 std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs::path& data) {
     std::error_code ignored;
     const auto is_there = [&](const fs::path& path) { return fs::is_regular_file(path, ignored); };

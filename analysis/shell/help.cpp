@@ -50,7 +50,7 @@ std::string argument_word(const OptionRow& argument) {
     return argument.required ? word : "[" + word + "]";
 }
 
-/// Those below each heading together, in the order of the headings.
+/// Lists the options by their headings, in the order of the headings.
 std::string option_sections(const std::vector<OptionRow>& options) {
     std::vector<std::string> headings{""};
     for (const OptionRow& option : options)
@@ -104,7 +104,7 @@ std::string help_page(const Command& program, const std::string& footer) {
     if (!row.commands.empty()) text += " COMMAND";
     else
         for (const OptionRow& argument : row.arguments) text += " " + argument_word(argument);
-    // Those of `plugin check` stand at `plugin`.
+    // The examples of `plugin check` are stored with `plugin`.
     const std::vector<Command> given = program.given();
     text += " [OPTIONS]\n" + example_lines(given[1].examples()) + command_list(row.commands);
     if (row.commands.empty() && !row.arguments.empty()) {

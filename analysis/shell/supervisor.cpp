@@ -42,7 +42,7 @@ struct Message {
 };
 constexpr std::size_t longest_path = 4096 - sizeof(Message);
 
-/// What the worker knows of its supervisor; `pipe` is -1 in a program without one.
+/// Processes and pipe of a worker, as it was told them; `pipe` is -1 in a program without a supervisor.
 struct Told {
     int pipe = -1;
     pid_t worker = 0, supervisor = 0;
