@@ -40,12 +40,10 @@ public:
     RayAtMesh(const BandAnswers& of, std::size_t ray)
         : of_(of), ray_(ray), first_(of.inputs.solids.first_of_mesh()), mesh_(of.inputs.solids.mesh()->mesh()) {}
 
-    /// `truly` is below 0 where the ray truly misses.
     [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
         const std::int32_t met = of_.answers.object[ray_];
         if (of_.answers.claimed.empty())
             return before == Outcome::wrong_object && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
-        if (before == Outcome::false_hit) return in_mesh(met) && stops_light(met) ? Outcome::crack : before;
         Outcome outcome = before;
         if (before == Outcome::false_miss && in_mesh(truly) && lets_light_through(truly)) outcome = Outcome::crack;
         if (before == Outcome::wrong_object && in_mesh(truly)) {
@@ -85,12 +83,6 @@ private:
         return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
                !is_beside_border(face(truly), passing(truly));
     }
-    /// True if the line passes beside `met`, across an edge behind which the mesh goes on.
-    [[nodiscard]] bool stops_light(std::int32_t met) const {
-        const Passing by = passing(met);
-        const bool beside = by.inside.x < 0 || by.inside.y < 0 || by.inside.z < 0;
-        return by.facing != 0 && beside && counts_otherwise() && !is_beside_border(face(met), by);
-    }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
     }
@@ -123,7 +115,7 @@ private:
                    return here.is_hit() && compare(here.t, there.t) < 0;
                });
     }
-    /// True if the edge that the line passes nearest to (from inside) or farthest outside of belongs to one face alone.
+    /// True if the edge that the line passes nearest to belongs to one face alone.
     [[nodiscard]] bool is_beside_border(std::size_t one, const Passing& by) const {
         if (!mesh_.has_border(one)) return false;
         const Real nearest = min(min(by.inside.x, by.inside.y), by.inside.z);
@@ -197,10 +189,8 @@ void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::s
         const bool elsewhere = outcomes[i] == Outcome::wrong_object;
         if (at_mesh || elsewhere) of.inputs.stop.check();
         if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
-        if (!at_mesh) continue;
-        if (truth.decision[i] == Truth::Decision::hit)
+        if (at_mesh && truth.decision[i] == Truth::Decision::hit)
             outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
-        else if (outcomes[i] == Outcome::false_hit) outcomes[i] = RayAtMesh(of, i).outcome_of(-1, outcomes[i]);
     }
 }
 

@@ -31,14 +31,14 @@ struct BandAnswers {
 /// Triangles are one crossing of the surface if they face the ray with the same side, share a vertex or are truly met
 /// at the same t, and are not truly met at two different t. A triangle seen edge-on counts as facing with both sides.
 ///
-/// - `crack`: by the claims, light ends on another side of the surface than it truly does: the numbers of claimed and
-///   of true crossings differ by an odd number. Either the ray truly meets a triangle first and the form claims neither
-///   that one nor a neighbour, or the ray meets none and the form answers a triangle that the ray passes beside. The
-///   edge that the ray passes nearest to (farthest outside of, if it passes beside the triangle) belongs to another
-///   face too. If two claimed triangles share a vertex and the ray does not truly meet both, they may be one crossing
-///   or the two of a fold, and the outcome is no crack. A form that misses both walls of a mesh, because its outline is
-///   shifted or the triangles are not seen at all, has a false miss. So has one that misses at the border of a mesh; it
-///   may have a false hit there as well.
+/// - `crack`: the form lets light through the surface. The ray truly meets a triangle first, and the form claims
+/// neither
+///   that one nor a neighbour. The numbers of claimed and of true crossings differ by an odd number, so that light ends
+///   on another side of the surface than it truly does. The edge that the ray passes nearest to belongs to another face
+///   too. If two claimed triangles share a vertex and the ray does not truly meet both, they may be one crossing or the
+///   two of a fold, and the outcome is no crack. A form that misses both walls of a mesh, because its outline is
+///   shifted or the triangles are not seen at all, has a false miss. So has one that misses at the border of a mesh. A
+///   ray that truly misses and is stopped is a false hit.
 /// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
 ///   that t.
 /// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it that is the same crossing. At
@@ -47,8 +47,8 @@ struct BandAnswers {
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
 ///   smaller.
 void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
-/// Outcome at a mesh of one ray that truly hits primitive `truly` first, or none if `truly` is below 0. `before` is its
-/// outcome if primitives had no edges in common.
+/// Outcome at a mesh of one ray that truly hits primitive `truly` first. `before` is its outcome if primitives had no
+/// edges in common.
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);
 
 }  // namespace lostbits::measure::answer

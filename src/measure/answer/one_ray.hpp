@@ -62,8 +62,9 @@ public:
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
                                   Outcome before) const {
         const truth::Truth found = truth(info);
-        return outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_,
-                               found.is_hit() ? found.object : -1, before);
+        return found.is_hit()
+                   ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object, before)
+                   : before;
     }
     /// True if the ray truly meets that primitive first, alone or among others.
     [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {

@@ -75,8 +75,7 @@ Columns outcome_columns() {
         "not_a_number, false_hit, false_miss, wrong_object, crack, double_hit and out_of_order among all rays whose "
         "truth is known",
         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::to_claims);
-    count(Outcome::crack,
-          "rays that the form lets through where the mesh stops them, or stops where the mesh lets them through",
+    count(Outcome::crack, "rays that the form lets through a mesh: it claims neither the triangle met nor a neighbour",
           Shown::of_meshes);
     count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
           Shown::of_meshes);
@@ -85,7 +84,7 @@ Columns outcome_columns() {
     count(Outcome::out_of_order,
           "rays on which the form claims a triangle and answers one that is truly behind it and not its neighbour",
           Shown::of_meshes);
-    share("crack_fraction", "crack for each ray that truly hits", of_hits<Outcome::crack>, Shown::of_meshes);
+    share("crack_fraction", "crack among the rays that truly hit", of_hits<Outcome::crack>, Shown::of_meshes);
     share("double_hit_fraction", "double_hit among the rays that truly hit", of_hits<Outcome::double_hit>,
           Shown::of_meshes);
     share("out_of_order_fraction", "out_of_order among the rays that truly hit", of_hits<Outcome::out_of_order>,

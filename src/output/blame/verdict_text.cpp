@@ -319,11 +319,8 @@ bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps 
 std::string mesh_sentence(const Explanation& x) {
     switch (x.in_mesh.value_or(Outcome::agree_hit)) {
         case Outcome::crack:
-            return x.truth == measure::truth::Truth::Decision::hit
-                       ? "In the mesh this is a crack: the form claims neither the triangle that the ray meets first "
-                         "nor a neighbour of it, and the number of crossings is wrong by an odd number.\n"
-                       : "In the mesh this is a crack: the form crosses the mesh an odd number of times, but the ray "
-                         "passes beside it.\n";
+            return "In the mesh this is a crack: the form claims neither the triangle that the ray meets first nor a "
+                   "neighbour of it, and the number of crossings is wrong by an odd number.\n";
         case Outcome::double_hit:
             return "In the mesh this is a double hit: the form also claims a neighbouring triangle, although the ray "
                    "crosses "

@@ -83,8 +83,8 @@ double number_of(const CsvTable& table, std::size_t row, std::string_view name) 
     return column == nullptr ? std::nan("") : number_in(column->cells[row]);
 }
 
-/// Bounds on the number of true hits of a row. A crack, an answer that is not a number, or one that is not proved, does
-/// not show if the ray truly hits. NaN if the table lacks the columns.
+/// Bounds on the number of true hits of a row. An answer that is not a number, or not proved, does not show if the ray
+/// truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     const auto count = [&](const char* name, double without) {
         return table.find(name) == nullptr ? without : number_of(table, row, name);

@@ -105,13 +105,11 @@ public:
                     if (a != b && beside(a, b) && !(met.contains(a) && met.contains(b))) odd = false;
             if (outcome == Outcome::crack) {
                 const auto near = [&](std::size_t s) { return truly != met.end() && beside(s, truly->first); };
-                wrong += std::ranges::any_of(claimed, near) || !odd;
-                wrong += truly == met.end() && claimed.empty();
-                (truly == met.end() ? stopped : let_through) += 1;
+                wrong += std::ranges::any_of(claimed, near) || !odd || truly == met.end();
             } else if (outcome == Outcome::false_miss) {
                 wrong += !claimed.empty() || truly == met.end() || (odd && !mesh.has_border(truly->first));
             } else if (outcome == Outcome::false_hit) {
-                wrong += odd && !mesh.has_border(static_cast<std::size_t>(result.answers->object[i]));
+                wrong += claimed.empty() || truly != met.end();
             } else if (outcome == Outcome::double_hit) {
                 const auto first = static_cast<std::size_t>(result.answers->object[i]);
                 wrong += std::ranges::none_of(claimed, [&](std::size_t s) { return twice(s, first); });
@@ -143,7 +141,7 @@ public:
     }
 
     std::map<Outcome, std::uint64_t> counts;
-    std::uint64_t wrong = 0, let_through = 0, stopped = 0;
+    std::uint64_t wrong = 0;
 
 private:
     const measure::evaluate::TestedForm& row_;
@@ -162,7 +160,6 @@ scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std
 
 TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcome][mesh]") {
     std::map<Outcome, std::uint64_t> counts;
-    std::uint64_t let_through = 0, stopped = 0;
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
           smaller("mesh-tube-far", {{"mesh[0].along", "16"}}), smaller("mesh-sheets-far", {})}) {
@@ -178,8 +175,6 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
         for (std::size_t r = 0; r < again.size(); ++r) {
             INFO(scene.id << ", " << request.rows[r].form->info->name);
             CHECK(again[r].wrong == 0);
-            let_through += again[r].let_through;
-            stopped += again[r].stopped;
             for (const auto& [outcome, count] : again[r].counts) {
                 CHECK(summaries[r].count(outcome) == count);
                 counts[outcome] += count;
@@ -189,8 +184,6 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
     for (const Outcome seen : {Outcome::agree_hit, Outcome::agree_miss, Outcome::false_hit, Outcome::crack,
                                Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
         CHECK(counts[seen] > 5);
-    CHECK(let_through > 5);
-    CHECK(stopped > 0);
 }
 
 namespace {
