@@ -125,7 +125,7 @@ serve(mine, name="py.NAME", roots="near", takes="segment", answers="NAME")
                                   "() => 1);\n");
     const Outcome refused = run("plugin check --pipe 'node plane.mjs'", folder.path());
     CHECK(refused.code == 3);
-    CHECK(has(refused.err, "behind a plane is no place: take a ray"));
+    CHECK(has(refused.err, "a plane gives a segment no end behind it"));
 }
 
 TEST_CASE("pipe: what JavaScript copies of a batch grows with its rays", "[doors]") {
