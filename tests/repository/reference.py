@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference.md"
@@ -86,7 +87,7 @@ def tables_of_runs(program):
             if seen.get(name) == rows:
                 continue
             seen[name] = rows
-            lines += ["", f"### `{title.split()[0]}`: `{name}`", "", resource.get("title", "") + ".", "",
+            lines += ["", f"### `{title.split()[0]}`: `{name}`", "", textwrap.fill(resource.get("title", "") + ".", 120), "",
                       *table(("column", "type", "unit", "meaning"), rows)]
     return lines
 
