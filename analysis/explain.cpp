@@ -228,7 +228,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,
-                "Which of the two ends are open, so that a t there is no hit (default: none)",
+                "Ends of the range that are excluded: a hit exactly there does not count (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
     command.add("--as", words.as,
                 "A format that the numbers of --ray, --sphere, --box, --tmin and --tmax are rounded to first");

@@ -69,7 +69,7 @@ const std::vector<RayFileOption>& ray_file_options() {
          listed(intersect::facing_names), true},
         {"--open-ends",
          &Words::open_ends,
-         "Which ends of the columns' ranges are open, so that a t there is no hit (default: none)",
+         "Ends of the ranges in the columns that are excluded: a hit exactly there does not count (default: none)",
          {"none", "tmin", "tmax", "both"}}};
     return options;
 }

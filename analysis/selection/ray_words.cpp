@@ -218,7 +218,7 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     for (const std::string& s : set) {
         const scene::toml::Override change = scene::toml::parse_override(s);
         if (!change.path.starts_with("march."))
-            throw InputError("--set " + s + ": there is no scene to change; without a scene only march.KEY can be set");
+            throw InputError("--set " + s + ": no scene was given, so only march.KEY can be set");
         scene::toml::apply_override(root, change);
     }
     scene::toml::TableReader file(root);

@@ -75,7 +75,7 @@ sigset_t to_hand_on() {
     return all;
 }
 
-/// True if nobody reads what this program prints: in `lostbits … | head`, head has ended.
+/// True if the reader of standard output or standard error has ended, as `head` does in `lostbits … | head`.
 bool has_no_reader() {
     std::array<pollfd, 2> streams{{{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}}};
     return poll(streams.data(), streams.size(), 0) > 0 &&
@@ -177,7 +177,7 @@ private:
         if (status_ && WIFEXITED(how_) && !is_broken_) _exit(*status_);
         for (const std::string& path : partial_) unlink(path.c_str());
         const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
-        // The worker was ended from outside, or because nobody reads what it prints: die of the same signal.
+        // A signal from outside ended the worker, or the reader of its output has ended: end by the same signal.
         if (!status_ && (heard_.contains(signal) || (signal == SIGPIPE && has_no_reader()))) {
             ::signal(signal, SIG_DFL);
             sigset_t one;

@@ -159,13 +159,13 @@ void save_files(const Scratch& scratch, const std::string& page) {
     }
 }
 
-/// Those files, the data of the project, and what a library of forms is compiled with.
+/// Those files and those of the tutorial, the data of the project, and what a library of forms is compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
     for (const char* folder : {"plugins", "examples"})
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
     fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch / "build");
-    for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
+    for (const std::string& from : {std::string("docs/first-hour.md"), page}) save_files(scratch, from);
 }
 
 bool is(const DearCommand& dear, const Command& command) {

@@ -34,7 +34,7 @@ std::vector<std::string> examples_of(const std::string& help) {
     return examples;
 }
 
-/// What the examples name: the project's data and examples, two equal maps, a shard, and a library.
+/// Files that the examples name: the project's data and examples, two equal maps, a shard, and a library.
 void lay_out(const Scratch& scratch) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
     fs::create_directory_symlink(fs::path(LOSTBITS_DATA_DIR).parent_path() / "examples", scratch / "examples");
@@ -155,7 +155,7 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         if (command != "trade") CHECK(old_run.out == new_run.out);  // which prints times
         CHECK_FALSE(has(must("-q " + line + " " + names.first, scratch.path()).err, advice));
     }
-    // What only looks like one: a value, and what stands behind `--`.
+    // Not options, although they look like some: a value, and the words behind `--`.
     CHECK_FALSE(has(run("diff a.csv -- --pictures", scratch.path()).err, "the option is"));
     CHECK(
         has(run("-j 1 --progress none judge rays.csv --format=f23", scratch.path()).err, "--file-format f23: unknown"));

@@ -199,12 +199,12 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     CHECK((plot.pixels == kept_plot.pixels));
 }
 
-TEST_CASE("the scene of the README can be mapped as it stands there") {
-    const std::string readme = contents(LOSTBITS_REPORTS_DIR "/../README.md");
-    const auto begin = readme.find("```toml\n") + 8;
+TEST_CASE("the scene of the tutorial can be mapped as it stands there") {
+    const std::string page = contents(LOSTBITS_REPORTS_DIR "/../docs/first-hour.md");
+    const auto begin = page.find("```toml\n") + 8;
     REQUIRE(begin != std::string::npos + 8);
     const Scratch scratch;
-    const std::string file = scratch.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
+    const std::string file = scratch.write("mine.toml", page.substr(begin, page.find("```", begin) - begin));
     must("map '" + file + "' --size 24x24 -i sphere.press -f f32" + into(scratch, ""));
     CHECK(std::stod(read_csv(scratch / "mine/summary.csv").front().at("agree_hit")) > 100);
 }

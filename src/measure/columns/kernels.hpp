@@ -75,13 +75,14 @@ template <class P, class Step>
 
 /// Computes the same as `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference, to the bit.
 ///
-/// Those work in units of 2^e, where e is the larger exponent; here every number keeps its own size. All steps but the
-/// last are sums of doubles, so the results are the same unless a step overflows or goes below 2^-1022.
+/// These functions work in units of 2^e, where e is the larger exponent; here every number keeps its own size. All
+/// steps except the last are sums of doubles, so the results are the same unless a step overflows or goes below
+/// 2^-1022.
 ///
-/// With |t|, |hi| within [2^-400, 2^401] and lo = 0 or |lo| ≥ 2^-600, every sum is 0 or a multiple of 2^-653 below
+/// With |t|, |hi| within [2^-400, 2^400] and lo = 0 or |lo| ≥ 2^-600, every sum is 0 or a multiple of 2^-653 below
 /// 2^402. Multiplied by 2^(p − 1)/2^max(⌊log2 hi⌋, emin) ≤ 2^452, or divided by hi + lo, it stays within [2^-1054,
-/// 2^854]. It does not go below 2^-1022: |difference| is at least an ulp of lo, 2^-253 of hi. Rays outside of that
-/// range are left.
+/// 2^854]. It does not go below 2^-1022: |difference| is at least an ulp of lo, 2^-253 of hi. Rays outside that range
+/// are left to the caller.
 template <class Width>
 [[gnu::flatten]] void errors_of(RawErrors& batch) {
     using P = Pack<double, Width>;

@@ -36,7 +36,7 @@ Vec<Real> unit(const Vec<Real>& v) { return (1 / length(v)) * v; }
 
 bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !vanishes(s.ray->direction); }
 
-// Where a component is NaN or infinite, or a direction is zero, errors are infinite and lost bits are the precision p.
+// Errors are infinite, and lost bits are the precision p, if a component is NaN or infinite or a direction is zero.
 
 double origin_error(const Sample& s) {
     if (!s.true_ray) return missing;

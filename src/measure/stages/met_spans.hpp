@@ -1,5 +1,5 @@
-// Where a ray meets a solid first, of many rays at once, from where the line is inside of it (geometry/span.hpp). The
-// numbers carry the bounds, so that no lemma is needed.
+// First t at which a ray meets a solid, for many rays at once, from the interval in which the line is inside the solid
+// (geometry/span.hpp). The numbers carry bounds, so no lemma is needed.
 #pragma once
 
 #include <array>
@@ -21,16 +21,16 @@ using number::wide::ColumnWord;
 using number::wide::is_unset;
 using number::wide::Running;
 
-/// The first t of a ray at which it meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
-/// is proved. Where `at_origin` holds too t* is 0, and `t` is not asked for.
+/// The first t at which a ray meets a closed solid, if the open solid has the same answer: `hit` and `missed` hold
+/// where that is proved. If `at_origin` holds too, t* is 0 and `t` is not used.
 template <class E>
 struct Met {
     mask_t<typename E::P> hit, missed, at_origin;
     E t;
 };
 
-/// The near root, c/(−h + √q), or −(h + √q)/a where h is `past` 0; or the far one where it is that: (−h + √q)/a, or
-/// −c/(h + √q). Where h is not told from 0, either form of it will do.
+/// The near root: c/(−h + √q), or −(h + √q)/a if h is above 0 (`past`). If `far`, the far root: (−h + √q)/a, or
+/// −c/(h + √q) if h is above 0. If the sign of h is not proved, both expressions are valid.
 template <class E>
 Fraction<E> fraction_of_root(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far,
                              const mask_t<typename E::P>& past) {
@@ -44,8 +44,8 @@ E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mas
     return root.n / root.m;
 }
 
-/// Whether an entry that stands so to the end of a range is in it, of the closed and the open solid alike: where the
-/// ray ends at it, it touches.
+/// Tests if an entry lies in the range, for the closed and the open solid alike, by its order to the end of the range.
+/// A ray that ends at the entry touches the solid.
 template <class Mask, class T>
 Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return {to_end.less.yes(), in_time(to_end, range).no()};
@@ -85,7 +85,7 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
     return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
 }
 
-/// x against y, each of which may be off by 2^-44 of itself and a half of `least`.
+/// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
 template <class P>
 Order<Tris<mask_t<P>>> told_apart(const P& x, const P& y, const P& least) {
     using lostbits::abs;
@@ -96,14 +96,14 @@ inline Order<Tris<ColumnMask>> told_apart(const ColumnWord& x, const ColumnWord&
     return order_of_first_words(x, y, least);
 }
 
-/// A number that is compared by its first word, which is known to be good to 2^-45 of itself: it is enough for nearly
-/// all, under matrices too.
+/// A number that is compared by its first word, which is known to 2^-45 of itself. That suffices for nearly all rays,
+/// under matrices too.
 ///
-/// Of such numbers x = a b and y = c d, as they round, are good to 2.1·2^-45 of themselves and 2^-1074, and x − y to
-/// 2^-53 more: a b < c d where x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.
+/// The rounded products x = a b and y = c d of such numbers are off by at most 2.1·2^-45 of themselves plus 2^-1074,
+/// and x − y by 2^-53 more: a b < c d if x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.
 ///
-/// Where a selection is undecided the word is NaN, with which no comparison is decided: of two entries whose products
-/// are both below 2^-1000 the larger is not known, and each of them may be far from it.
+/// If a selection is undecided, the word is NaN, which leaves every comparison undecided: if the products of two
+/// entries are both below 2^-1000, the larger entry is unknown, and each of the two may be far from it.
 template <class W>
 struct ByFirstWord {
     using P = typename Running<W>::P;
@@ -249,7 +249,7 @@ Met<Running<W>> first_met(const WallSpan<Running<W>>& s, const RangeOfSpan<Runni
         {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
 }
 
-/// Where the line enters, or leaves where it is `far`, and whether that is known, in the lanes of a hit.
+/// The t at which the line enters (if `far`, leaves), and a mask of the lanes where it is known, in the lanes of a hit.
 template <class E>
 struct MetAt {
     mask_t<typename E::P> known;
@@ -304,8 +304,8 @@ requires ToldSpan<Span<Running<W>>, Running<W>> Met<Running<W>> first_met(const 
                                       in_time(s.leaves_to(range.end), range));
 }
 
-/// Of a surface of degree four, as `truth::enclose` has it for the usual convention: the first root ahead is an entry
-/// or an exit, where every root is known to be simple.
+/// First t on a surface of degree four, as `truth::enclose` has it for the usual convention: the first root ahead is an
+/// entry or an exit, if every root is known to be simple.
 template <class W>
 Met<Running<W>> first_met(const QuarticSpan<Running<W>>& s) {
     using P = typename Running<W>::P;

@@ -26,8 +26,8 @@ TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P
 /// Relative error bound of t* in a stage of one word, and of two. The latter is `truth::certified_tightness`.
 inline constexpr double narrow_tightness = 0x1p-33, wide_tightness = 0x1p-72;
 
-/// Where the inputs are numbers of 256 bits each has two words, and lies within this much of itself of their sum; all
-/// others are their one word.
+/// Relative distance between an input of 256 bits and the sum of its two words, at most. Every other input has one word
+/// and is equal to it.
 inline constexpr double input_error = 0x1p-104;
 
 /// |x − (middle.hi + middle.lo)| ≤ bound.

@@ -28,11 +28,12 @@ struct RawLength {
 struct RawFindings {
     std::uint8_t *settled, *hit;  ///< 0 or 1
     RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
-    /// As `Truth` has them, of `RawStages::ties` alone: the others settle no such ray.
+    /// As in `Truth`; only `RawStages::ties` sets them, since the other stages settle no such ray.
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
-/// Whether the solids of a batch stand under matrices, which follow their numbers, all of them of one kind.
+/// Matrices of a batch of solids: if `placed`, each solid is under a matrix, which follows its numbers. All matrices of
+/// a batch are of one kind.
 struct UnderMatrix {
     bool placed = false, is_inverse = false;
     int orientation = 1;
@@ -100,12 +101,12 @@ struct ColumnKernels {
     void (*store_where)(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs);
 };
 
-/// What is compiled for a register width. (Each shape's stage is a program of columns.)
+/// Functions that are compiled for a register width. (Each shape's stage is a program of columns.)
 struct RawStages {
     ColumnKernels columns;
     void (*unit_directions)(const RawDirections&);
-    /// Of the shapes that lie flat between points, in the order of the list: rays that touch, by exact sums: one word a
-    /// number, no matrix and no range. Null where there is none.
+    /// Functions that settle rays that touch, by exact sums, for each shape that lies flat between points, in the order
+    /// of the list: one word for each number, no matrix, no range. Null for the other shapes.
     std::array<void (*)(const RawProblems<double>&), shape_rows.size()> ties;
 };
 

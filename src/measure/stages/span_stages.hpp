@@ -1,4 +1,4 @@
-// Rays and solids of any shape: decisions, and t* with its bound, from where the ray meets the solid first.
+// Rays and solids of any shape: decisions, and t* with its bound, from the first t at which the ray meets the solid.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace lostbits::measure::stages {
 
-/// Whether a length is known closely enough: to 2^-33 of itself in one word, as `narrow_tightness` has it, to 2^-72 in
-/// two; and in one binade, in range of what follows.
+/// Tests if a length is known closely enough: to 2^-33 of itself in one word (`narrow_tightness`), to 2^-72 in two
+/// (`wide_tightness`). It must also lie in one binade, within the range of the steps that follow.
 template <class P>
 mask_t<P> is_close(const Running<P>& x) {
     return x.radius() <= P(narrow_tightness) * x.words() && in_one_binade(x.words(), x.radius());
@@ -32,7 +32,7 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
-/// How many numbers a shape has, the key of each, and which of its key's it is.
+/// Count of a shape's numbers; and for each number its key and its index within the key.
 template <class S>
 inline constexpr std::size_t numbers_of = [] {
     std::size_t count = 0;
@@ -49,7 +49,7 @@ constexpr PlaceOfNumber place_of(std::size_t number) {
     return {key, number};
 }
 
-/// Whether a number keeps the limit of its key.
+/// Tests if a number keeps the limit of its key.
 template <class S, std::size_t k, class E>
 mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& solid) {
     using Limit = Key::Limit;
@@ -75,8 +75,8 @@ mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& solid) {
     }
 }
 
-/// Whether a solid is one, by the limits of its keys: but for points on one line, which no line is proved to cross;
-/// origins and directions that are not finite are found by `settle`.
+/// Tests if the numbers of a solid are valid, by the limits of its keys. Points on one line pass this test, but no line
+/// is proved to cross them. `settle` finds origins and directions that are not finite.
 template <class S, class E, std::size_t... k>
 mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& solid, std::index_sequence<k...>) {
     return (keeps_limit<S, k>(solid) && ...);
@@ -86,7 +86,8 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& solid) {
     return keeps_limits<S>(solid, std::make_index_sequence<numbers_of<S>>());
 }
 
-/// A range of these numbers, where it holds more than one t: else, by `proper`, nothing is said.
+/// The range from tmin to tmax, if it contains more than one t. Otherwise `proper` is false there, and nothing is
+/// proved.
 template <class E, class P = typename E::P>
 RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
     const auto endless = tmax >= P(HUGE_VAL);
@@ -95,7 +96,7 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
     return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
 }
 
-/// What is asked of all problems alike.
+/// Questions asked of all problems alike: do the rays have ranges; is t needed, is the distance.
 struct Asked {
     bool ranged, t, distance;
 };
@@ -110,9 +111,9 @@ struct InSpace {
     mask_t<typename E::P> proper;
 };
 
-/// `in_object` of rays at one solid, in each lane: what the matrix makes of that is found once. Of a solid whose
-/// determinant is not proved to differ from 0 nothing is proved. It is proper or not by the numbers before they are
-/// scaled: a zero times what is known within bounds is no exact zero.
+/// `in_object` for rays at one solid, in each lane; the work that depends on matrix and solid alone is done once. If
+/// the determinant is not proved to differ from 0, nothing is proved. `proper` is decided by the numbers before they
+/// are scaled, since a zero times a number known within bounds is not an exact zero.
 template <class S, class E>
 struct Entrance {
     UnderMatrix matrix;
@@ -139,7 +140,8 @@ struct Entrance {
     }
 };
 
-/// Where a length is known closely enough it is taken, and where it is `exact`; where `at_origin` it is 0.
+/// Takes a length that is known closely enough or is `exact`, and clears `hit` in all other lanes. The length is 0
+/// where `at_origin` is set.
 template <class E, class P = typename E::P>
 Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);

@@ -1,4 +1,4 @@
-// The stage of a shape as one formula of its inputs, over any words: recorded it becomes a program.
+// The stage of a shape as one formula of its inputs, over any words. Recorded, it becomes a program.
 #pragma once
 
 #include "measure/stages/span_stages.hpp"
@@ -6,7 +6,8 @@
 
 namespace lostbits::measure::stages {
 
-/// What the inputs of `word(k)` prove: one word is exact, and two lie within `input_error` of it.
+/// Findings that the inputs `word(k)` prove. An input of one word is exact; an input of two words is within
+/// `input_error` of their sum.
 template <template <class> class Of, class W, class Word>
 auto settle_inputs(const StageTerms& terms, const Word& word) {
     using E = Running<W>;

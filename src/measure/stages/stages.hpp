@@ -7,7 +7,8 @@
 
 namespace lostbits::measure::stages {
 
-/// What proves answers of one shape, in numbers of so many words; of none it is not there.
+/// The stage that proves answers for one shape, in numbers of one or two words. With `Arithmetic::none` there is no
+/// stage.
 template <class S>
 struct ShapeStage {
     enum class Arithmetic : std::uint8_t { none, one_word, two_words, exact_sums };

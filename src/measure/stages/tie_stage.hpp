@@ -1,4 +1,4 @@
-// Rays that pass exactly through a rim, of many at once: by sums that are exact, so that a zero is proved.
+// Rays that pass exactly through a rim, many at once, by sums that are exact, so that a zero is proved.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,11 @@ namespace lostbits::measure::stages {
 using number::wide::Grid;
 using number::wide::Multiple;
 
-/// Of what lies flat between points every sign is that of a polynomial of degree three, which two words hold where
-/// points and directions have so many bits: with points up to S = 2^31 U, directions up to D = 2^33 V, d·(b × c) is at
-/// most 24 D S² < 2^100 V U², as seen from o, and (a − o)·n at most 48 S³ < 2^99 U³. So exponents of numbers of
-/// binary32 may spread by 7 and by 9. Of other shapes the degrees are 4 and more.
+/// Most bits of points and of directions with which two words hold the polynomials exactly. For a shape that lies flat
+/// between points, every sign is that of a polynomial of degree three. With points up to S = 2^31 U, directions up to
+/// D = 2^33 V and vertices relative to o, d·(b × c) is at most 24 D S² < 2^100 V U² and (a − o)·n at most
+/// 48 S³ < 2^99 U³. So the exponents of binary32 numbers may spread by 7 and by 9. The polynomials of other shapes have
+/// degree 4 and more.
 inline constexpr int bits_of_points = 31, bits_of_directions = 33;
 template <class S>
 inline constexpr bool is_flat_between_points = false;
@@ -28,15 +29,15 @@ inline constexpr bool is_flat_between_points<Of<Multiple<P>>> =
         return key.kind == Key::Kind::point;
     });
 
-/// What the stage says of a ray, and whether it touches and begins on the surface, as `Truth` has it.
+/// Findings of the stage for a ray; and as in `Truth`, if the ray touches and if it begins on the surface.
 template <class P>
 struct TieFinding {
     Finding<P> found;
     mask_t<P> touches, on_surface;
 };
 
-/// A length, and whether it is known without a bound. A ray that is aimed at a point p by d = p − o meets it at t = 1,
-/// and within any bound of a power of two nobody knows in which binade a length is.
+/// A length, and a mask of the lanes where it is exact. A ray aimed at a point p by d = p − o meets it at t = 1. A
+/// length that is known only to within a bound around a power of two may lie in either binade.
 template <class P>
 struct Exactly {
     using Known = Running<TwoWords<P>>;
@@ -64,9 +65,9 @@ private:
     static mask_t<P> same(const P& x, const P& y) { return x <= y && x >= y; }
 };
 
-/// As `truth::enclose` has it of a surface for the usual convention. What is not proper meets
-/// nothing, and so it is here: a direction of zero crosses no plane, nor does any line that of points on one line; and
-/// of numbers that are not finite nothing is said, or a miss.
+/// As `truth::enclose` has it for a surface with the usual convention. A surface or ray that is not valid meets
+/// nothing: a direction of zero crosses no plane, and no line crosses the plane of points on one line. For numbers that
+/// are not finite, the result is a miss or nothing.
 template <template <class> class Of, class P, std::size_t count>
 TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points, const Asked& asked) {
     using E = Multiple<P>;
