@@ -83,11 +83,12 @@ private:
 };
 
 /// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
-/// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format.
-/// `name` is the command.
+/// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format,
+/// and whatever `require` throws for a scene. `name` is the command.
 [[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
                                                                std::vector<measure::evaluate::TestedForm>& rows,
-                                                               const char* name, const Common& common);
+                                                               const char* name, const Common& common,
+                                                               void (*require)(const scene::file::Scene&));
 
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& word);

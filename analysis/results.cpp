@@ -67,11 +67,12 @@ std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& pro
 
 std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
                                                  std::vector<measure::evaluate::TestedForm>& rows, const char* name,
-                                                 const Common& common) {
+                                                 const Common& common, void (*require)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
     selection::refuse_made_rays(scenes, name);
     selection::refuse_makers(rows, name);
+    for (const Scene& scene : scenes) require(scene);
     const auto met = selection::drop_unfitting(
         scenes, {rows, shared.forms, common.quiet},
         [](const Scene& s, Shapes forms) { return selection::are_solids(forms) && s.meets(forms); },

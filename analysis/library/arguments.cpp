@@ -10,11 +10,13 @@ namespace lostbits::analysis::library {
 namespace {
 
 /// Options whose arguments have another name.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> renamed{{{"-i", "forms"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> renamed{{{"-i", "forms"},
                                                                                 {"-f", "formats"},
                                                                                 {"--metric", "metrics"},
                                                                                 {"--intersector", "forms"},
                                                                                 {"--strategy", "strategies"},
+                                                                                {"--check", "checks"},
+                                                                                {"--stage", "stages"},
                                                                                 {"--file-format", "format"}}};
 /// The advice of the message about a t below 0 in a file without a column hit.
 constexpr std::string_view of_misses = "; add a column hit, or write --miss";

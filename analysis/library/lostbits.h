@@ -31,7 +31,7 @@ extern "C" {
 #endif
 
 /* The version of this interface. It changes when a program compiled with the old header would no longer work. */
-#define LOSTBITS_ABI 7
+#define LOSTBITS_ABI 8
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -232,13 +232,14 @@ LOSTBITS_API int lostbits_sweep(const char* sweep, int is_text, const char* data
  * 0 is the output of `lostbits explain`; text 1 is the same as JSON. */
 LOSTBITS_API int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_choice* choice,
                                   lostbits_result** result, lostbits_error* error);
-/* Measures by how much the origin of the next ray must move, and what each strategy makes of it (docs/offsets.md): a
- * table `offsets`, as summary.csv of `lostbits offsets`. `strategies` has names and patterns; NULL or empty: all.
- * `points` is "computed", "projected" or "both"; NULL: both. If `choice` names no form or no format, the default ones
- * of `lostbits offsets` are measured. */
-LOSTBITS_API int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategies, const char* points,
-                                  const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
-                                  lostbits_error* error);
+/* Measures a scene by a study: "consistency", "offsets" or "render" (docs/consistency.md, offsets.md, render.md). The
+ * study is a command of the program, and the table `summary` is its summary.csv. `options` are options of that command,
+ * each as NAME=WORD: "strategy=offset.ulp*", "points=computed", "stage=shadows"; one that takes several words is
+ * repeated. NULL or empty: their default values. If `choice` names no form or no format, the default ones of the
+ * command are measured. */
+LOSTBITS_API int lostbits_study(const char* study, const lostbits_scene* scene, const lostbits_words* options,
+                                const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                                lostbits_error* error);
 
 typedef struct lostbits_wish {
     double bits;      /* least number of correct bits of t, 0 to 53 */

@@ -1,17 +1,16 @@
-// Sweeps, explained rays, offsets, choices and repaired forms.
+// Sweeps, explained rays, studies, choices and repaired forms.
 #include <cmath>
 
 #include "analysis/library/handles.hpp"
 #include "analysis/selection/scenes.hpp"
+#include "analysis/study/studies.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/mend/mend.hpp"
-#include "measure/offset/offsets.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/mend/mend_files.hpp"
-#include "output/offset/offset_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -77,38 +76,29 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     return result;
 }
 
-std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, const lostbits_words* strategies,
-                                            const std::string& points, Choosing& chosen, CallRun& running) {
-    measure::offset::require_few_solids(scene);
-    if (points != "both" && points != "computed" && points != "projected")
-        throw InputError("points is \"" + points + "\"; write computed, projected or both");
-    std::erase_if(chosen.rows, [](const TestedForm& row) { return !measure::offset::can_be_asked(*row.form); });
+/// The summary of a study of a scene.
+template <class Words>
+std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const std::vector<std::string>& options,
+                                          const lostbits_choice* choice, CallRun& running) {
+    lostbits_choice given = choice ? *choice : lostbits_choice{};
+    const std::vector<std::string> usual = Words::usual_forms();
+    std::vector<const char*> forms(usual.size());
+    std::ranges::transform(usual, forms.begin(), &std::string::c_str);
+    if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
+    if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
+    Choosing chosen(&given);
+    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Words::takes(*row.form); });
+    selection::refuse_makers(chosen.rows, Words::name);
+    selection::refuse_made_rays({scene}, Words::name);
+    Words::require(scene);
     chosen.keep_those_for("scene " + scene.id,
-                          [&scene](Shapes forms) { return selection::are_solids(forms) && scene.meets(forms); });
-    measure::offset::OffsetRequest request{
-        .scene = scene,
-        .rows = {},
-        .strategies = selection::select_rows(
-            measure::offset::strategies(),
-            strategies && strategies->count > 0 ? words_of(*strategies, "strategies") : std::vector<std::string>{"*"},
-            "strategy", "--strategy"),
-        .limit = {.stop = running.stop()}};
-    for (const TestedForm& row : chosen.rows) {
-        if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});
-        if (points != "computed") request.rows.push_back({row, measure::offset::HitPoint::projected});
-    }
-    request.progress = running.advancing(scene.pixels() * request.rows.size());
-    const auto summaries = measure::offset::run_offsets(request);
+                          [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); });
+    auto study = Words::on(scene, chosen.rows, study::study_words(Words::options(), options), running.stop());
+    study.progress = running.advancing(scene.pixels() * study.rows.size());
+    const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("offsets", output::offset::strategy_table(), output::offset::strategy_rows(request, summaries));
+    result->add_table("summary", Words::View::summary_table(), Words::View::summary_rows(study, summaries));
     return result;
-}
-
-/// Texts of the program as a list for the interface. Each must end with a zero byte.
-std::vector<const char*> words_in(const std::vector<std::string_view>& texts) {
-    std::vector<const char*> words(texts.size());
-    std::ranges::transform(texts, words.begin(), &std::string_view::data);
-    return words;
 }
 
 measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
@@ -228,20 +218,18 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
     });
 }
 
-int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategies, const char* points,
-                     const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
-                     lostbits_error* error) {
+int lostbits_study(const char* study, const lostbits_scene* scene, const lostbits_words* options,
+                   const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                   lostbits_error* error) {
     return guarded(error, [&] {
+        require(study, "study");
         require(scene, "scene");
         require(result, "result");
-        const auto usual = words_in(measure::offset::usual_forms());
-        const char* const format = measure::offset::usual_format.data();
-        lostbits_choice given = choice ? *choice : lostbits_choice{};
-        if (given.forms.count == 0 && given.own_count == 0) given.forms = {usual.data(), usual.size()};
-        if (given.formats.count == 0) given.formats = {&format, 1};
-        Choosing chosen(&given);
+        const auto words = options ? words_of(*options, "options") : std::vector<std::string>{};
         CallRun running(run);
-        return hand_over(offsets_of(scene->scene, strategies, points ? points : "both", chosen, running), result);
+        auto found = study::with_study(
+            study, [&](auto of) { return study_of<decltype(of)>(scene->scene, words, choice, running); });
+        return hand_over(std::move(found), result);
     });
 }
 

@@ -180,7 +180,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 
 std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
-    offset::OffsetRequest request{
+    offset::OffsetStudy study{
         .scene = scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
@@ -188,20 +188,20 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
-    request.rows = {{rows.front(), offset::HitPoint::computed}};
-    request.quiet = false;  // the page has no table of it
+    study.rows = {{rows.front(), offset::HitPoint::computed}};
+    study.quiet = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
-        output::offset::OffsetFiles sheet(request, {.folder = {}, .sheet_alone = to});
-        summaries = run_offsets(request, [&sheet](std::size_t row, const auto& band) { sheet.band(row, band); });
+        output::study::StudyFiles<output::offset::OffsetView> sheet(study, {.folder = {}, .sheet_alone = to});
+        summaries = measure::study::run_study(study, sheet.show());
         sheet.finish(summaries);
     });
     const offset::OffsetSummary& summary = summaries.front();
-    part.words = output::offset::row_in_words(request, 0, summary);
-    part.table = page::offset_table(request, summary);
-    for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-        part.strategies.push_back(output::offset::short_name(*request.strategies[k]));
+    part.words = output::offset::row_in_words(study, 0, summary);
+    part.table = page::offset_table(study, summary);
+    for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+        part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
             part.bad[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));

@@ -1,4 +1,4 @@
-// The records of shards of a map or a judgement: pieces of the files of rows, and the summaries at the end.
+// The records of shards of a study, a map or a judgement: pieces of the files of rows, and the summaries at the end.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "analysis/shard/division.hpp"
-#include "output/map/map_exr.hpp"
+#include "measure/study/study.hpp"
+#include "output/pixel/row_files.hpp"
 
 namespace lostbits::analysis::shard {
 
@@ -14,9 +15,9 @@ namespace lostbits::analysis::shard {
 enum class Noted : std::uint8_t { piece, end };
 
 /// A function that records the pieces of a job's rows in a shard; empty in other runs.
-inline output::map::KeepPiece keep_in(Division& division, const std::string& job) {
+inline output::pixel::KeepPiece keep_in(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
-    return [&division, job](std::size_t row, output::map::MapPiece&& piece) {
+    return [&division, job](std::size_t row, output::pixel::Piece&& piece) {
         if (!piece.is_empty()) division.put(job, Noted::piece, std::uint64_t{row}, piece);
     };
 }
@@ -28,7 +29,7 @@ bool joined_piece(output::shard::BitReader& bits, Files& files) {
     bits(noted);
     if (noted == Noted::end) return false;
     std::uint64_t row = 0;
-    output::map::MapPiece piece;
+    output::pixel::Piece piece;
     bits(row, piece);
     files.put(row, std::move(piece));
     return true;
@@ -48,6 +49,28 @@ void join_into(Files& files, std::vector<Summary>& all, measure::truth::StageCou
         else
             for (std::size_t r = 0; r < all.size(); ++r) all[r].append(std::move(part.at(r)));
     });
+}
+
+/// Measures a study, or a part of it in a shard, or joins what shards found. Returns nothing in a shard, which keeps
+/// its part. `files` take the pieces of the rows.
+template <measure::study::Study S, class Files>
+std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& files, Division& division,
+                                                            const std::string& job) {
+    if (!division.joins() && !division.is_shard()) return measure::study::run_study(study, files.show());
+    if (division.is_shard()) {
+        study.share = division.share();
+        division.put(job, Noted::end, measure::study::run_share(study, files.show()));
+        return std::nullopt;
+    }
+    auto all = measure::study::begin_all(study);
+    division.each(job, [&](output::shard::BitReader& bits) {
+        if (joined_piece(bits, files)) return;
+        std::vector<typename S::Summary> part;
+        bits(part);
+        measure::study::add_up(all, std::move(part));
+    });
+    measure::study::seal_all(all);
+    return all;
 }
 
 }  // namespace lostbits::analysis::shard

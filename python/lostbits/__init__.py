@@ -15,15 +15,15 @@ Start with help(lb.map), help(lb.intersector) or docs/python.md.
 from ._arrays import SHAPES
 from ._forms import Intersector, intersector
 from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
-from ._measure import (Suspicious, ask, assert_keeps, check, choose, explain, hits, inside, judge, map, mend, offsets,
-                       sweep, truth)
-from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Offsets, Sweep, Truths
+from ._measure import (Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge, map,
+                       mend, offsets, render, sweep, truth)
+from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Study, Sweep, Truths
 from ._scene import Scene, scene
 from ._tables import Table
 from ._trace import Unfollowed
 
 __version__: str = library.lostbits_version().decode()
-__all__ = ["SHAPES", "Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Hits", "InputError", "Inside",
-           "Intersector", "Judgement", "Map", "Mended", "NothingSelected", "Offsets", "Scene", "Suspicious", "Sweep",
-           "Table", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose", "explain", "hits", "inside",
-           "intersector", "judge", "map", "mend", "offsets", "scene", "sweep", "truth"]
+__all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Hits", "InputError", "Inside",
+           "Intersector", "Judgement", "Map", "Mended", "NothingSelected", "SHAPES", "Scene", "Study", "Suspicious",
+           "Sweep", "Table", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose", "consistency", "explain",
+           "hits", "inside", "intersector", "judge", "map", "mend", "offsets", "render", "scene", "sweep", "truth"]

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 7
+ABI = 8
 
 
 class Error(Exception):

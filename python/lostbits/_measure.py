@@ -1,4 +1,4 @@
-"""The calls that measure: map, judge, ask, truth, hits, inside, offsets, sweep, explain, choose, mend."""
+"""The calls that measure: map, judge, ask, truth, hits, inside, studies, sweep, explain, choose, mend."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _library as lib
 from ._arrays import Floats, Rays, array_of, solids_in, word
 from ._forms import Asked, Form, Forms, Texts
-from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Offsets, Sweep, Truths
+from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Study, Sweep, Truths
 from ._scene import Scene, scene as make_scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
@@ -223,8 +223,33 @@ def _of_mesh(mesh: Any) -> Any:
     return make_scene(camera=camera, mesh=mesh, inputs="own")  # type: ignore[arg-type]
 
 
+def _study(name: str, scene: Union[Scene, str], asked: Asked, threads: int, progress: bool,
+           **options: tuple[str, Texts]) -> Study:
+    """A study. `options`: the argument of each option, for messages, and its words."""
+    on, words = scene_of(scene), []
+    for option, (argument, given) in options.items():
+        for text in lib.texts(given, argument):
+            lib.in_utf8(text, argument)
+            words.append(f"{option}={text}")
+    _, result = asked.call("lostbits_study", lib.in_utf8(name, "study"), on.handle.pointer,
+                           c.byref(lib.Words(words, "options")), threads=threads, progress=progress)
+    return Study(tables_of(result)["summary"])
+
+
+def consistency(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", checks: Texts = (), *,
+                threads: int = 0, progress: bool = True) -> Study:
+    """Puts one question to a form in two ways, at each pixel, and tells how often the answers differ.
+
+    `forms`, `formats`: as in lb.map; None: all forms that fit. `checks`: names and globs of `lostbits list checks`,
+    such as "reverse" or "packs"; none: all that apply.
+
+    The result has `.summary`, one row per check, form and format: the counts of `lostbits consistency`.
+    """
+    return _study("consistency", scene, Asked(forms, formats), threads, progress, check=("checks", checks))
+
+
 def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", strategies: Texts = (),
-            points: str = "both", *, threads: int = 0, progress: bool = True) -> Offsets:
+            points: Texts = "both", *, threads: int = 0, progress: bool = True) -> Study:
     """Measures how far the origin of the next ray must move at each hit point, and how published strategies do.
 
     `forms` find the points and are tested for self-hits. None: sphere.half_b, box.ieee_minmax, and one form of each
@@ -233,10 +258,20 @@ def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32
 
     The result has `.summary`, one row per strategy, side, point, form and format. Lengths are in the scene's unit.
     """
-    on, asked, words = scene_of(scene), Asked(forms, formats), lib.Words(lib.texts(strategies, "strategies"), "strategies")
-    _, result = asked.call("lostbits_offsets", on.handle.pointer, c.byref(words), lib.in_utf8(points, "points"), threads=threads,
-                           progress=progress)
-    return Offsets(tables_of(result)["offsets"])
+    return _study("offsets", scene, Asked(forms, formats), threads, progress, strategy=("strategies", strategies),
+                  points=("points", points))
+
+
+def render(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", stages: Texts = (), *,
+           threads: int = 0, progress: bool = True) -> Study:
+    """Renders a scene of spheres with a form in a format, and compares every pixel with the certified picture.
+
+    `forms` find hits and shadows. None: sphere.expanded. `stages`: "visible", "diffuse", "shadows", "phong"; none: the
+    last that the scene has. A stage that it does not have is replaced by the last one before it.
+
+    The result has `.summary`, one row per stage, form and format: the counts of `lostbits render`.
+    """
+    return _study("render", scene, Asked(forms, formats), threads, progress, stage=("stages", stages))
 
 
 def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,

@@ -157,8 +157,8 @@ class Judgement(Summarised):
         raise AttributeError("the rays were not kept; call lb.judge with rows=True")
 
 
-class Offsets(Summarised):
-    """Result of `offsets`: `.summary`, a row per strategy, side, point, form and format, and `.frame`."""
+class Study(Summarised):
+    """Result of `consistency`, `offsets` or `render`: `.summary`, the rows of its summary.csv, and `.frame`."""
 
 
 class Truths:

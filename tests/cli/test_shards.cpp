@@ -45,6 +45,13 @@ const Row rows[] = {
     {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits "
      "20",
      {4}},
+    // Bands of 16 lines: five of them, the last one short.
+    {"consistency offset-touching --size 12x70 -i sphere.half_b,sphere.press -f f32,bf16 --pixels csv --pictures all",
+     {1, 2, 7, 3}},
+    {"offsets offset-touching --size 8x40 -f f32 --strategy 'offset.[ib]*' --pixels csv --pictures all", {1, 2, 4, 3}},
+    {"offsets near-benign --size 10x20 -f f32 --strategy offset.integer --points computed --along radius", {2}},
+    {"render raycast-acne --size 16x4200 -i sphere.half_b -f f32,f64 --stage visible,shadows --pictures all",
+     {1, 2, 4, 3}},
     {"check --filter 'float.*'", {1, 2, 5}, "--report"},
 };
 
@@ -137,6 +144,10 @@ TEST_CASE(
 }
 
 TEST_CASE("shards of a file of rays give the files of the whole, as a list and as a picture") { check_rows("judge"); }
+
+TEST_CASE("shards of a study give its pictures, tables and EXR") {
+    for (const char* const study : {"consistency", "offsets", "render"}) check_rows(study);
+}
 
 TEST_CASE("shards of claims give the report of the whole") { check_rows("check"); }
 

@@ -12,6 +12,9 @@
 #include "intersect/doors/pipe_header.hpp"
 #include "intersect/shader/compiler_log.hpp"
 #include "intersect/shader/kernel.hpp"
+#include "measure/consistency/consistency.hpp"
+#include "measure/offset/offsets.hpp"
+#include "measure/picture/render.hpp"
 
 namespace lostbits::fuzz {
 namespace {
@@ -45,7 +48,7 @@ void read_as(output::shard::BitReader& bits) {
 /// A record as each command has them.
 void read_record(unsigned kind, output::shard::BitReader& bits) {
     using namespace measure;
-    switch (kind % 8) {
+    switch (kind % 11) {
         case 0: return read_as<std::vector<claim::ClaimResult>>(bits);
         case 1: return read_as<sweep::SweepFindings>(bits);
         case 2: return read_as<std::vector<std::vector<evaluate::FormSummary>>>(bits);
@@ -57,12 +60,15 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
     bits(noted);
     if (noted != analysis::shard::Noted::end) {
         read_as<std::uint64_t>(bits);
-        return read_as<output::map::MapPiece>(bits);
+        return read_as<output::pixel::Piece>(bits);
     }
-    if (kind % 8 == 5) {
+    if (kind % 11 == 8) return read_as<std::vector<consistency::RowChecks>>(bits);
+    if (kind % 11 == 9) return read_as<std::vector<offset::OffsetSummary>>(bits);
+    if (kind % 11 == 10) return read_as<std::vector<picture::RenderStudy::Summary>>(bits);
+    if (kind % 11 == 5) {
         read_as<judge::JudgeResult>(bits);
         read_as<std::vector<judge::WorstRays>>(bits);
-    } else if (kind % 8 == 6) {
+    } else if (kind % 11 == 6) {
         read_as<std::vector<evaluate::NeededSummary>>(bits);
     } else {
         read_as<std::vector<evaluate::FormSummary>>(bits);

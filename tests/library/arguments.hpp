@@ -83,7 +83,7 @@ struct Arguments {
     std::size_t operation_count = 4;
     int bits = 32, hit = 3, t = 2;
 
-    const char *chosen_form = "sphere.unified", *chosen_format = "f32", *strategy = "*";
+    const char *chosen_form = "sphere.unified", *chosen_format = "f32";
     const char* spoilt = nullptr;  ///< what a list has that a test spoils
     lostbits_where* at = &where;
     lostbits_choice choice{{&chosen_form, 1}, nullptr, 0, {&chosen_format, 1}, {nullptr, 0}, 0, 0};
@@ -95,9 +95,10 @@ struct Arguments {
         "schema = \"lostbits-sweep/1\"\ntitle = \"a\"\nsource = \"-\"\nscene = \"near-benign\"\n"
         "[[axis]]\nname = \"radius\"\nunit = \"world\"\nspacing = \"linear\"\nfrom = 1\nto = 2\nsteps = 2\n"
         "set = [\"sphere[0].radius\"]\n";
-    const char *data = LOSTBITS_DATA_DIR, *points = "computed";
-    lostbits_words strategies{&strategy, 1};
-    const lostbits_words* given_strategies = &strategies;
+    const char* data = LOSTBITS_DATA_DIR;
+    const char *study = "consistency", *option = "check=reverse";
+    lostbits_words options{&option, 1};
+    const lostbits_words* given_options = &options;
     lostbits_wish wish{8, -1, 0, "max"};
     const lostbits_wish* given_wish = &wish;
     int x = 2, y = 2;
@@ -164,9 +165,9 @@ inline const Function functions[] = {
      [](Arguments& a, lostbits_error* e) { return lostbits_sweep(a.sweep, 1, a.data, &a.choice, &a.run, a.out, e); }},
     {"explain",
      [](Arguments& a, lostbits_error* e) { return lostbits_explain(a.scene, a.x, a.y, &a.choice, a.out, e); }},
-    {"offsets",
+    {"study",
      [](Arguments& a, lostbits_error* e) {
-         return lostbits_offsets(a.scene, a.given_strategies, a.points, &a.choice, &a.run, a.out, e);
+         return lostbits_study(a.study, a.scene, a.given_options, &a.choice, &a.run, a.out, e);
      }},
     {"choose", [](Arguments& a,
                   lostbits_error* e) { return lostbits_choose(a.scene, a.given_wish, &a.choice, &a.run, a.out, e); }},

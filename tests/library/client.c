@@ -260,7 +260,7 @@ int client_gives_ranges_and_groups(void) {
     return 0;
 }
 
-int client_asks_for_offsets_and_a_choice(void) {
+int client_asks_for_studies_and_a_choice(void) {
     lostbits_error error;
     lostbits_scene* scene = NULL;
     lostbits_result* result = NULL;
@@ -268,18 +268,27 @@ int client_asks_for_offsets_and_a_choice(void) {
     lostbits_column column;
     const char* const forms[] = {"sphere.unified"};
     lostbits_choice choice = {{forms, 1}, NULL, 0, {NULL, 0}, {NULL, 0}, 0, 0};
+    const char* option = "points=computed";
+    const lostbits_words points = {&option, 1};
     lostbits_wish wish = {0, 1e-4, 0, "max"};
     HOLDS(lostbits_shapes(&result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "shape", &column) && strcmp(column.texts[0], "sphere") == 0);
     HOLDS(column_named(result, 0, "numbers", &column) && column.numbers[0] == 3 && column.numbers[1] == 1);
     lostbits_result_free(result);
     HOLDS(lostbits_scene_text(scene_text, NULL, &scene, &error) == LOSTBITS_OK);
-    HOLDS(lostbits_offsets(scene, NULL, "computed", NULL, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(lostbits_study("offsets", scene, &points, NULL, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(lostbits_result_table(result, 0, &table) == LOSTBITS_OK && table.rows > 10);
     HOLDS(column_named(result, 0, "form", &column) && strcmp(column.texts[0], "sphere.half_b") == 0);
     HOLDS(column_named(result, 0, "point", &column) && strcmp(column.texts[table.rows - 1], "computed") == 0);
     lostbits_result_free(result);
-    HOLDS(lostbits_offsets(scene, NULL, "all", NULL, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    option = "points=all";
+    HOLDS(lostbits_study("offsets", scene, &points, NULL, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(strstr(error.text, "points is \"all\"; write one of computed, projected, both") != NULL);
+    HOLDS(lostbits_study("offset", scene, NULL, NULL, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(strstr(error.text, "did you mean \"offsets\"") != NULL);
+    HOLDS(lostbits_study("consistency", scene, NULL, NULL, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 0, "check", &column) && strcmp(column.texts[0], "beyond") == 0);
+    lostbits_result_free(result);
     HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "distance_error", &column) && column.numbers[0] > 0 && column.numbers[0] <= 1e-4);
     lostbits_result_free(result);

@@ -30,9 +30,9 @@ struct Row {
     bool may_be_taken = false;  ///< what it says is nobody's business but the caller's
 };
 
-const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "offsets", "choose", "mend"},
+const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "study", "choose", "mend"},
     aiming{"judge", "answers", "truth", "hits"},
-    running{"map", "judge", "answers", "truth", "hits", "inside", "sweep", "offsets", "choose", "mend"},
+    running{"map", "judge", "answers", "truth", "hits", "inside", "sweep", "study", "choose", "mend"},
     opening{"scene_open", "scene_text"}, wishing{"choose", "mend"};
 
 const std::vector<Row> null_rows{
@@ -40,7 +40,7 @@ const std::vector<Row> null_rows{
     {"text", {"scene_text"}, [](Arguments& a) { a.text = nullptr; }},
     {"scene to make", opening, [](Arguments& a) { a.scene_out = nullptr; }},
     {"scene",
-     {"scene_solids", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "offsets", "choose",
+     {"scene_solids", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "study", "choose",
       "mend"},
      [](Arguments& a) { a.scene = nullptr; }},
     {"shape", {"scene_solids"}, [](Arguments& a) { a.shape = nullptr; }},
@@ -49,7 +49,7 @@ const std::vector<Row> null_rows{
     {"faces", {"scene_mesh"}, [](Arguments& a) { a.faces = nullptr; }},
     {"matrix", {"scene_transform"}, [](Arguments& a) { a.matrix = nullptr; }},
     {"result to make",
-     {"scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "sweep", "explain", "offsets",
+     {"scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "sweep", "explain", "study",
       "choose", "mend"},
      [](Arguments& a) { a.out = nullptr; }},
     {"forms", {"form_make"}, [](Arguments& a) { a.given_forms = nullptr; }},
@@ -67,6 +67,7 @@ const std::vector<Row> null_rows{
     {"rays' shape", aiming, [](Arguments& a) { a.rays.shape = nullptr; }},
     {"rays' solids", aiming, [](Arguments& a) { a.rays.solids.data = nullptr; }},
     {"sweep", {"sweep"}, [](Arguments& a) { a.sweep = nullptr; }},
+    {"study", {"study"}, [](Arguments& a) { a.study = nullptr; }},
     {"wish", wishing, [](Arguments& a) { a.given_wish = nullptr; }},
     {"table to fill", {"result_table"}, [](Arguments& a) { a.into_table = nullptr; }},
     {"column to fill", {"result_column"}, [](Arguments& a) { a.into_column = nullptr; }},
@@ -78,7 +79,7 @@ lostbits_words& set_of(Arguments& a) { return a.where.set; }
 lostbits_words& forms_of(Arguments& a) { return a.choice.forms; }
 lostbits_words& formats_of(Arguments& a) { return a.choice.formats; }
 lostbits_words& metrics_of(Arguments& a) { return a.choice.metrics; }
-lostbits_words& strategies_of(Arguments& a) { return a.strategies; }
+lostbits_words& options_of(Arguments& a) { return a.options; }
 
 /// A list of texts that C is given, and who has it.
 struct List {
@@ -90,7 +91,7 @@ const List lists[] = {{"set", opening, set_of},
                       {"forms", choosing, forms_of},
                       {"formats", choosing, formats_of},
                       {"metrics", choosing, metrics_of},
-                      {"strategies", {"offsets"}, strategies_of}};
+                      {"options", {"study"}, options_of}};
 constexpr std::size_t all_bits = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t vast_counts[] = {all_bits, all_bits / 2, all_bits / 8 + 2, std::size_t{1} << 60};
 
@@ -163,7 +164,8 @@ std::vector<Row> text_rows() {
         rows.push_back({"open_ends" + is, aiming, [text](Arguments& a) { a.rays.open_ends = text; }});
         rows.push_back({"format" + is, aiming, [text](Arguments& a) { a.rays.format = text; }});
         rows.push_back({"sweep" + is, {"sweep"}, [text](Arguments& a) { a.sweep = text; }});
-        rows.push_back({"points" + is, {"offsets"}, [text](Arguments& a) { a.points = text; }});
+        rows.push_back({"study" + is, {"study"}, [text](Arguments& a) { a.study = text; }});
+        rows.push_back({"option" + is, {"study"}, [text](Arguments& a) { a.option = text; }});
         rows.push_back({"wish at" + is, wishing, [text](Arguments& a) { a.wish.at = text; }});
         // No folder named is the usual one.
         rows.push_back({"data" + is,
@@ -274,7 +276,7 @@ TEST_CASE("every function of lostbits.h takes right arguments, and those that ma
         INFO(function.name);
         for (const bool without : {false, true}) {
             Arguments arguments;
-            if (without) arguments.at = nullptr, arguments.given_strategies = nullptr, arguments.points = nullptr;
+            if (without) arguments.at = nullptr, arguments.given_options = nullptr;
             if (without) arguments.wish.at = nullptr;
             if (without && std::string_view(function.name) == "scene_open")
                 arguments.name = LOSTBITS_DATA_DIR "/scenes/near-benign.toml";

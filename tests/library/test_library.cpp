@@ -11,7 +11,7 @@ int client_measures_its_own_form(void);
 int client_writes_operations(void);
 int client_judges_arrays(void);
 int client_gives_ranges_and_groups(void);
-int client_asks_for_offsets_and_a_choice(void);
+int client_asks_for_studies_and_a_choice(void);
 int client_stops(void);
 int client_runs_in_threads(void);
 int client_forks(void);
@@ -25,7 +25,7 @@ TEST_CASE("a C program measures a form of its own", "[library]") { CHECK(client_
 TEST_CASE("a form is run from the list of its operations", "[library]") { CHECK(client_writes_operations() == 0); }
 TEST_CASE("arrays are judged where they lie", "[library]") { CHECK(client_judges_arrays() == 0); }
 TEST_CASE("rays begin and end, and are grouped", "[library]") { CHECK(client_gives_ranges_and_groups() == 0); }
-TEST_CASE("offsets and a choice by length", "[library]") { CHECK(client_asks_for_offsets_and_a_choice() == 0); }
+TEST_CASE("studies and a choice by length", "[library]") { CHECK(client_asks_for_studies_and_a_choice() == 0); }
 TEST_CASE("a call that is stopped says so, and the next one runs", "[library]") { CHECK(client_stops() == 0); }
 TEST_CASE("several threads map at once", "[library]") { CHECK(client_runs_in_threads() == 0); }
 

@@ -143,6 +143,15 @@ class Bits(unittest.TestCase):
                 i = list(j.summary.by).index(name)
                 self.assertEqual(alone.summary[column][0], j.summary[column][i], column)
 
+    def test_consistency(self):
+        run("consistency", "near-benign", "--size", "40x30", "-i", "sphere.half_b,sphere.press", "--check",
+            "reverse,packs", "-o", self.out)
+        scene = lb.scene("near-benign", size=(40, 30))
+        found = lb.consistency(scene, ["sphere.half_b", "sphere.press"], checks=["reverse", "packs"], progress=False)
+        self.hold_table(found.summary, self.rows("near-benign", "summary.csv"))
+        every = lb.consistency(scene, "sphere.half_b", progress=False)
+        self.assertIn("beyond", set(every.summary["check"]))
+
     def test_offsets(self):
         run("offsets", "near-benign", "--size", "40x30", "-i", "sphere.half_b,sphere.unified", "--points", "computed",
             "--strategy", "*", "-o", self.out)
@@ -152,6 +161,14 @@ class Bits(unittest.TestCase):
         one = lb.offsets(lb.scene("near-benign", size=(16, 16)), strategies=found.summary.strategy[0], progress=False)
         self.assertEqual(set(one.frame["point"]), {"computed", "projected"})
         self.assertEqual(len(set(one.frame["strategy"])), 1)
+
+    def test_render(self):
+        run("render", "raycast-acne.eps1em5", "--size", "40x30", "-i", "sphere.half_b,sphere.unified", "--stage",
+            "visible,shadows", "-o", self.out)
+        scene = lb.scene("raycast-acne.eps1em5", size=(40, 30))
+        found = lb.render(scene, ["sphere.half_b", "sphere.unified"], stages=["visible", "shadows"], progress=False)
+        self.hold_table(found.summary, self.rows("raycast-acne.eps1em5", "summary.csv"))
+        self.assertEqual(len(lb.render(scene, progress=False).summary), 1)
 
     def test_sweep(self):
         text = Path(os.environ["LOSTBITS_DATA"], "sweeps", "triangle-distance.toml").read_text(encoding="utf-8")

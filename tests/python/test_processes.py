@@ -241,6 +241,7 @@ class Numbers(unittest.TestCase):
             ("data is", lambda: lb.scene("near-benign", data="data\0x")),
             ("name is 'py.a\\x00b'", lambda: form(name="a\0b")),
             ("half of a surrogate pair", lambda: lb.map(scene, "sphere.\udcff", "f32")),
+            ("checks is", lambda: lb.consistency(scene, checks="a\0")),
             ("strategies is", lambda: lb.offsets(scene, strategies="a\0")),
             ("points is 3; it must be a string", lambda: lb.offsets(scene, points=3)),
             ("at is 3", lambda: lb.choose(scene, 3, at=3)),

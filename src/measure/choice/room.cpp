@@ -8,6 +8,7 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "measure/choice/ideal_rays.hpp"
+#include "measure/study/study.hpp"
 #include "measure/truth/band.hpp"
 #include "number/real.hpp"
 #include "scene/file/stretch.hpp"
@@ -191,9 +192,9 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     if (solids == 0 || solids > offset::most_solids || !offset::can_be_asked(*row.form)) return std::nullopt;
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / solids, 64, 65536));
     const scene::file::Scene thin = thinned(scene, std::min(pixels, affordable));
-    const offset::OffsetRequest request{
+    const offset::OffsetStudy request{
         .scene = thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
-    const offset::OffsetSummary summary = std::move(offset::run_offsets(request).front());
+    const offset::OffsetSummary summary = std::move(study::run_study(request).front());
     SafeOffsets safe;
     safe.points = summary.points;
     for (const offset::Side side : offset::both_sides) safe.rays += summary.on(side).rays;

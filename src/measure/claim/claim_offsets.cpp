@@ -5,6 +5,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/offsets.hpp"
+#include "measure/study/study.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -104,11 +105,11 @@ void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
         side_of(asked.claim, asked.on);  // throws before the measurement starts
     }
     for (const RowClaims& row : rows) {
-        const auto summaries = offset::run_offsets({.scene = scene,
-                                                    .rows = {row.row},
-                                                    .strategies = row.strategies,
-                                                    .limit = {.stop = run.stop},
-                                                    .quiet = row.quiet});
+        const auto summaries = study::run_study(offset::OffsetStudy{.scene = scene,
+                                                                    .rows = {row.row},
+                                                                    .strategies = row.strategies,
+                                                                    .limit = {.stop = run.stop},
+                                                                    .quiet = row.quiet});
         judge_row(row, summaries.front());
     }
 }
@@ -144,16 +145,16 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
 void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
-    consistency::ConsistencyRequest request{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
+    consistency::ConsistencyStudy study{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {
         const evaluate::TestedForm row = row_for(claim, scene);
         const Check* const check = &check_of(claim, on.check, scene, row);
-        auto found = std::ranges::find(request.checks, check);
-        if (found == request.checks.end()) found = request.checks.insert(found, check);
-        at.emplace_back(place_or_added(request.rows, row), static_cast<std::size_t>(found - request.checks.begin()));
+        auto found = std::ranges::find(study.checks, check);
+        if (found == study.checks.end()) found = study.checks.insert(found, check);
+        at.emplace_back(place_or_added(study.rows, row), static_cast<std::size_t>(found - study.checks.begin()));
     }
-    const auto rows = consistency::run_consistency(request);
+    const auto rows = study::run_study(study);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, on, result] = claims[k];
         const CheckSummary& summary = rows[at[k].first][at[k].second];

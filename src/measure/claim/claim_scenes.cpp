@@ -11,6 +11,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "measure/picture/render.hpp"
+#include "measure/study/study.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::claim {
@@ -116,22 +117,21 @@ void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
     const std::string called = "scene \"" + first.subject_name() + "\"";
     if (!scene.meets(scene::file::rendered_shape)) scene::toml::fail(first.where, called + " has no spheres to render");
     const scene::file::Appearance& look = scene.appearance;
-    picture::RenderRequest request{.scene = scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
+    picture::RenderStudy study{.scene = scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
     std::set<scene::file::Stage> stages;
     for (const auto& [claim, on, result] : claims) {
         const scene::file::Stage stage = on.stage.value_or(look.furthest());
         if (!look.asks_for(stage))
             scene::toml::fail(claim.where, called + " has no stage " + std::string(name_of(stage)));
         stages.insert(stage);
-        request.rows.push_back(row_for(claim, Rendered{}));
+        study.rows.push_back(row_for(claim, Rendered{}));
     }
-    request.stages.assign(stages.begin(), stages.end());
-    const auto summaries = picture::run_render(request);
+    study.stages.assign(stages.begin(), stages.end());
+    const auto summaries = study::run_study(study);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, on, result] = claims[k];
-        const auto stage =
-            std::ranges::find(request.stages, on.stage.value_or(look.furthest())) - request.stages.begin();
-        const picture::RenderSummary& s = summaries[k * request.stages.size() + static_cast<std::size_t>(stage)];
+        const auto stage = std::ranges::find(study.stages, on.stage.value_or(look.furthest())) - study.stages.begin();
+        const picture::RenderSummary& s = summaries[k][static_cast<std::size_t>(stage)];
         const auto& column =
             column_named(picture::render_columns(), claim.metric, claim.where.text(), " of a rendered scene");
         result = judge(claim, column.value(s), nullptr);

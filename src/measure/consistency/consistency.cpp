@@ -3,35 +3,19 @@
 #include <algorithm>
 #include <numeric>
 
-#include "intersect/process/parallel.hpp"
 #include "measure/offset/offsets.hpp"
 
 namespace lostbits::measure::consistency {
 
-using truth::Band;
-
 namespace {
 
-/// Lines of a band: few enough for its rays to stay in the cache.
-constexpr int lines_of_band = 16;
-
-void add_check(AccordOfPixels& found, int y0, int width, CheckSummary& summary) {
+void add_check(const AccordOfPixels& found, const ConsistencyBand& band, CheckSummary& summary) {
     for (const Accord a : found.accord) ++summary.count[static_cast<std::size_t>(a)];
     summary.apart.add(found.apart);
     summary.excess.add(found.excess);
     if (!found.shown || summary.shown) return;
     const auto pixel = static_cast<int>(found.shown->pixel);
-    summary.shown = ShownDisagreement{pixel % width, y0 + pixel / width, std::move(*found.shown)};
-}
-
-ConsistencyBand measure_band(const ConsistencyRequest& request, const evaluate::TestedForm& row, const Band& band) {
-    const RowOnBand on(request.scene, row, band);
-    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = request.scene.width, .checks = {}};
-    for (const Check* check : request.checks) {
-        AccordOfPixels& pixels = out.checks.emplace_back(on.pixels());
-        if (check->applies(request.scene, *row.form)) check->measure(on, pixels);
-    }
-    return out;
+    summary.shown = ShownDisagreement{pixel % band.width, band.y0 + pixel / band.width, *found.shown};
 }
 
 using C = CheckSummary;
@@ -99,29 +83,17 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
 
 bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
 
-std::vector<RowChecks> run_consistency(const ConsistencyRequest& request,
-                                       const std::function<void(std::size_t, const ConsistencyBand&)>& show) {
-    const scene::file::Scene& scene = request.scene;
-    offset::require_few_solids(scene);
-    std::vector<RowChecks> all(request.rows.size());
-    for (RowChecks& row : all) row.resize(request.checks.size());
-    for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
-        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
-        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
-            ConsistencyBand measured = measure_band(request, request.rows[r], band);
-            if (show) show(r, measured);
-            for (std::size_t c = 0; c < measured.checks.size(); ++c)
-                add_check(measured.checks[c], y0, scene.width, all[r][c]);
-            request.progress(band.pixels());
-        });
+void ConsistencyStudy::require() const { offset::require_few_solids(scene); }
+
+ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row, RowChecks& summary) const {
+    const RowOnBand on(scene, rows[row], band);
+    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
+    for (std::size_t c = 0; c < checks.size(); ++c) {
+        AccordOfPixels& pixels = out.checks.emplace_back(on.pixels());
+        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(on, pixels);
+        add_check(pixels, out, summary[c]);
     }
-    for (RowChecks& row : all) {
-        for (CheckSummary& s : row) {
-            s.apart.seal();
-            s.excess.seal();
-        }
-    }
-    return all;
+    return out;
 }
 
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }

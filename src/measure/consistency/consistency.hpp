@@ -9,6 +9,8 @@
 #include "measure/consistency/check.hpp"
 #include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
+#include "measure/shard/share.hpp"
+#include "measure/study/sums.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -32,6 +34,10 @@ struct CheckSummary {
     [[nodiscard]] std::uint64_t decisions() const { return of(Accord::first_alone) + of(Accord::second_alone); }
 };
 
+LOSTBITS_FIELDS(TwoRays, pixel, first, second)
+LOSTBITS_FIELDS(ShownDisagreement, x, y, rays)
+LOSTBITS_FIELDS(CheckSummary, count, apart, excess, shown)
+
 /// One summary for each check of the request. A check that does not apply has only `not_asked`.
 using RowChecks = std::vector<CheckSummary>;
 
@@ -41,12 +47,24 @@ struct ConsistencyBand {
     std::vector<AccordOfPixels> checks;
 };
 
-struct ConsistencyRequest {
+/// A study, see measure/study/study.hpp.
+struct ConsistencyStudy {
+    using Band = ConsistencyBand;
+    using Summary = RowChecks;
+    static constexpr int pixels_together = 1;  ///< few, so that the rays of a band stay in the cache
+
     const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> rows;  ///< with forms of primitives
     std::vector<const Check*> checks;
     truth::TruthLimit limit{};
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< receives the pixels of each band of a row
+    shard::Share share = {};
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    /// Throws InputError for a scene with too many primitives.
+    void require() const;
+    [[nodiscard]] RowChecks begin(std::size_t) const { return RowChecks(checks.size()); }
+    [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
+    ConsistencyBand measure(const truth::Band& band, std::size_t row, RowChecks& summary) const;
 };
 
 /// Checks that apply to at least one of the rows on a scene.
@@ -55,12 +73,6 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
 
 /// True if the form is of a primitive; forms that march are not compared.
 bool can_be_compared(const intersect::table::Intersector& form);
-
-/// Runs the checks; one element for each row. `show` receives the bands of each row from top to bottom, different rows
-/// at the same time. Results do not depend on the number of threads or the width of registers.
-std::vector<RowChecks> run_consistency(
-    const ConsistencyRequest& request,
-    const std::function<void(std::size_t row, const ConsistencyBand& band)>& show = {});
 
 /// A column of the summary, after check, form and format. The CSV and the claims use the same table.
 using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;

@@ -11,6 +11,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/offset/leaving.hpp"
 #include "measure/offset/strategy.hpp"
+#include "measure/study/sums.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -61,6 +62,8 @@ struct NewRay {
     /// True where the ray has a fault that shows in a picture: any but `wrong_side`, which alone harms nothing.
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
+
+LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, asks_own, faults)
 
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {

@@ -19,24 +19,21 @@ using truth::Truth;
 
 namespace {
 
-/// Scanlines of a band. They are few, because every pixel keeps some kilobytes until its band is counted.
-constexpr int lines_together = 16;
-
 /// Measures one row on one band.
 class RowBand {
 public:
-    RowBand(const OffsetRequest& request, const OffsetRow& row, const Band& band)
-        : request_(request),
+    RowBand(const OffsetStudy& study, const OffsetRow& row, const Band& band)
+        : study_(study),
           row_(row),
           inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
           solids_(inputs_.solids.all()),
           answers_(answer::evaluate(*row.row.form, inputs_)),
-          work_(row_.row, row_.point, solids_, light(), request.strategies),
+          work_(row_.row, row_.point, solids_, light(), study.strategies),
           truth_(band) {
-        const std::size_t n = band.pixels(), m = request.strategies.size();
+        const std::size_t n = band.pixels(), m = study.strategies.size();
         out_.y0 = band.y0();
         out_.rows = band.rows();
-        out_.width = request.scene.width;
+        out_.width = study.scene.width;
         out_.strategies = m;
         out_.is_point.assign(n, 0);
         out_.object.assign(n, -1);
@@ -45,21 +42,20 @@ public:
         out_.by_strategy.resize(2 * n * m);
     }
 
-    const OffsetBand& measure() {
+    void measure() {
         const std::size_t m = out_.strategies;
         intersect::process::in_parallel(
             tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
                 for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                    request_.limit.stop.check();
+                    study_.limit.stop.check();
                     if (!meets_the_true_solid(i)) continue;
                     const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
-                    if (!work_.measure(met(i), out_.sides[i], by_strategy, request_.quiet)) continue;
+                    if (!work_.measure(met(i), out_.sides[i], by_strategy, study_.quiet)) continue;
                     out_.is_point[i] = 1;
                     out_.object[i] = answers_.object[i];
                     out_.ulp[i] = ulp_of(work_.start(met(i))->p);
                 }
             });
-        return out_;
     }
 
     void add_to(OffsetSummary& summary) const {
@@ -72,10 +68,12 @@ public:
         }
     }
 
+    [[nodiscard]] OffsetBand take() { return std::move(out_); }
+
 private:
     [[nodiscard]] std::optional<Vec<double>> light() const {
-        if (!request_.scene.appearance.light) return std::nullopt;
-        return picture::input_appearance(request_.scene, row_.row.format.parameters).light;
+        if (!study_.scene.appearance.light) return std::nullopt;
+        return picture::input_appearance(study_.scene, row_.row.format.parameters).light;
     }
     [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
@@ -122,7 +120,7 @@ private:
         if (!any) return;
         s.bad += at.bad;
         if (!shows) return;
-        for (const NewRay& ray : work_.rays(met(i), *request_.strategies[k], side)) {
+        for (const NewRay& ray : work_.rays(met(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
                 const auto pixel = static_cast<int>(i);
@@ -132,7 +130,7 @@ private:
         }
     }
 
-    const OffsetRequest& request_;
+    const OffsetStudy& study_;
     const OffsetRow& row_;
     truth::FormatInputs inputs_;
     std::vector<Solid<double>> solids_;
@@ -141,17 +139,6 @@ private:
     const Band& truth_;
     OffsetBand out_;
 };
-
-/// Keeps the quantiles that the columns show, and frees the rest.
-void seal(OffsetSummary& summary) {
-    for (SideSummary& side : summary.sides) {
-        for (metric::Distribution* d : {&side.safe, &side.safe_ulps, &side.quiet}) d->seal();
-        for (StrategySummary& s : side.strategies) {
-            s.size.seal();
-            s.oversize.seal();
-        }
-    }
-}
 
 }  // namespace
 
@@ -190,26 +177,19 @@ const std::vector<std::string_view>& usual_forms() {
     return all;
 }
 
-std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
-                                       const std::function<void(std::size_t, const OffsetBand&)>& show) {
-    const Scene& scene = request.scene;
-    require_few_solids(scene);
-    std::vector<OffsetSummary> summaries(request.rows.size());
-    for (OffsetSummary& s : summaries) {
-        for (SideSummary& side : s.sides) side.strategies.resize(request.strategies.size());
-    }
-    for (int y0 = 0; y0 < scene.height; y0 += lines_together) {
-        const Band band(scene, y0, std::min(scene.height, y0 + lines_together), request.limit);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            RowBand row(request, request.rows[r], band);
-            const OffsetBand& measured = row.measure();
-            row.add_to(summaries[r]);
-            if (show) show(r, measured);
-            request.progress(band.pixels());
-        }
-    }
-    for (OffsetSummary& s : summaries) seal(s);
-    return summaries;
+void OffsetStudy::require() const { require_few_solids(scene); }
+
+OffsetSummary OffsetStudy::begin(std::size_t) const {
+    OffsetSummary summary;
+    for (SideSummary& side : summary.sides) side.strategies.resize(strategies.size());
+    return summary;
+}
+
+OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const {
+    RowBand found(*this, rows[row], band);
+    found.measure();
+    found.add_to(summary);
+    return found.take();
 }
 
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,

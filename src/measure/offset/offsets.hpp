@@ -14,6 +14,7 @@
 #include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/offset/at_point.hpp"
+#include "measure/shard/share.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -28,6 +29,8 @@ struct BadRay {
     Solid<double> solid{};
 };
 
+LOSTBITS_FIELDS(BadRay, x, y, object, ray, solid)
+
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
     std::array<std::uint64_t, fault_names.size()> count{};             ///< rays with each fault
@@ -41,6 +44,8 @@ struct StrategySummary {
     [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const { return first[static_cast<std::size_t>(f)]; }
 };
 
+LOSTBITS_FIELDS(StrategySummary, count, first, bad, size, oversize, too_small)
+
 /// Results on one side of all points of a row.
 struct SideSummary {
     std::uint64_t rays = 0;
@@ -52,6 +57,8 @@ struct SideSummary {
     metric::Distribution quiet;      ///< smallest offset that is safe and in which the form finds no self-hit
     std::vector<StrategySummary> strategies;
 };
+
+LOSTBITS_FIELDS(SideSummary, rays, already_safe, never_safe, never_quiet, safe, safe_ulps, quiet, strategies)
 
 /// A form in a format, and how its points are made.
 struct OffsetRow {
@@ -71,6 +78,8 @@ struct OffsetSummary {
     [[nodiscard]] const SideSummary& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
 };
 
+LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
+
 /// Results of a row over some scanlines, pixel by pixel. Where `is_point` is set for a pixel, they include its two
 /// sides and the strategies, those to the outside first.
 struct OffsetBand {
@@ -87,14 +96,25 @@ struct OffsetBand {
     }
 };
 
-struct OffsetRequest {
+/// A study, see measure/study/study.hpp.
+struct OffsetStudy {
+    using Band = OffsetBand;
+    using Summary = OffsetSummary;
+    static constexpr int pixels_together = 1;  ///< few, because every pixel keeps some kilobytes
+
     const scene::file::Scene& scene;
     std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
     bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
-    /// Called after each band of a row with the number of its pixels.
+    shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    /// Throws InputError for a scene with too many primitives.
+    void require() const;
+    [[nodiscard]] OffsetSummary begin(std::size_t row) const;
+    [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
+    OffsetBand measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const;
 };
 
 /// Forms that measure points and self-hits where none is named, one a shape in the order of the shapes, and their
@@ -108,11 +128,6 @@ inline constexpr std::size_t most_solids = 1000;
 void require_few_solids(const scene::file::Scene& scene);
 /// True where offsets of a form can be measured: it is of a primitive and reports t.
 bool can_be_asked(const intersect::table::Intersector& form);
-
-/// Measures all rows; one summary a row. `show` gets the bands of each row from top to bottom, one at a time. The
-/// results do not depend on the number of threads.
-std::vector<OffsetSummary> run_offsets(const OffsetRequest& request,
-                                       const std::function<void(std::size_t row, const OffsetBand& band)>& show = {});
 
 /// Column of the summary, after point, side, strategy, form and format. The CSV and the claims read the same columns.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;

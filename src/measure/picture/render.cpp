@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "intersect/hull/behind.hpp"
 #include "intersect/process/parallel.hpp"
@@ -70,32 +69,23 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
     return Shadow::not_compared;
 }
 
-/// Inputs of one format on a band, shared by all forms.
-struct Inputs {
-    truth::FormatInputs geometry;
-    StoredAppearance<double> look;
-    std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
-};
-
 /// Renders one form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderRequest& request, const TestedForm& row, const Band& band, const Inputs& in,
-                std::span<const TruePixel> truth)
-        : request_(request),
+    RowRenderer(const RenderStudy& study, const TestedForm& row, const BandToRender& on)
+        : study_(study),
           row_(row),
-          band_(band),
-          in_(in),
-          truth_(truth),
-          appearance_(request.scene.appearance),
-          n_(band.pixels()),
-          rays_(in.geometry.rays_for(*row.form->info)),
-          answers_(answer::evaluate(*row.form, in.geometry)),
-          out_{band.y0(),
-               band.rows(),
-               in.geometry.rays.width,
-               &answers_,
-               truth,
+          band_(on.band),
+          in_(on.inputs.at(row.format.name)),
+          truth_(on.truth),
+          appearance_(study.scene.appearance),
+          n_(on.band.pixels()),
+          rays_(in_.geometry.rays_for(*row.form->info)),
+          out_{on.band.y0(),
+               on.band.rows(),
+               in_.geometry.rays.width,
+               answer::evaluate(*row.form, in_.geometry),
+               on.truth,
                std::vector<Seen>(n_),
                {},
                std::vector<double>(n_, missing),
@@ -103,15 +93,15 @@ public:
                {},
                std::vector<std::int32_t>(n_, -1)} {}
 
-    const RenderBand& render() {
+    RenderBand render() {
         point_.assign(n_, Vec<double>(missing, missing, missing));
         normal_ = point_;
         see();
-        for (const Stage stage : request_.stages) casts_ |= shade_rule(appearance_, stage).shadows;
+        for (const Stage stage : study_.stages) casts_ |= shade_rule(appearance_, stage).shadows;
         blocked_.assign(n_, blocked_by_nothing);
         if (casts_) cast();
-        for (const Stage stage : request_.stages) paint(stage);
-        return out_;
+        for (const Stage stage : study_.stages) paint(stage);
+        return std::move(out_);
     }
 
 private:
@@ -124,7 +114,7 @@ private:
     /// Computes the point and the normal in the format, and their errors.
     void see() {
         const metric::Metric& residual = *metric::find_metric("residual");
-        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
             out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
             out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
@@ -185,7 +175,7 @@ private:
     void cast() {
         std::vector<Cast> casts(n_);
         const auto is_cast = [&](std::size_t i) { return hit(i) ? !std::isnan(answers_.t[i]) : !in_.points.empty(); };
-        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
             if (is_cast(i)) casts[i] = towards_light<T>(i);
         });
         ShadowRays shadow;
@@ -210,7 +200,7 @@ private:
     void paint(Stage stage) {
         const ShadeRule rule = shade_rule(appearance_, stage);
         auto& picture = out_.painted.emplace_back(n_);
-        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, study_.limit.stop, [&]<class T>(std::size_t i) {
             Painted& p = picture[i];
             if (hit(i) && std::isnan(answers_.t[i])) p.colour = Vec<double>(missing, missing, missing);
             else p.colour = as_doubles(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
@@ -242,34 +232,20 @@ private:
         return Vec<T>(factor * full.x, factor * full.y, factor * full.z);
     }
 
-    const RenderRequest& request_;
+    const RenderStudy& study_;
     const TestedForm& row_;
     const Band& band_;
-    const Inputs& in_;
+    const FormatOnBand& in_;
     std::span<const TruePixel> truth_;
     const scene::file::Appearance& appearance_;
     std::size_t n_;
     const scene::rays::RayBlock& rays_;
-    answer::Answers answers_;
     RenderBand out_;
+    const answer::Answers& answers_ = out_.answers;
     bool casts_ = false;
     std::vector<Vec<double>> point_, normal_;
     std::vector<std::uint8_t> blocked_;
 };
-
-std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band& band) {
-    std::map<std::string, truth::BandNeeds> needs;
-    for (const TestedForm& row : request.rows)
-        needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
-    std::map<std::string, Inputs> inputs;
-    for (const auto& [name, need] : needs) {
-        const Format format = *find_format(name);
-        inputs.emplace(
-            name, Inputs{band.inputs(format, need), input_appearance(request.scene, format.parameters),
-                         input_pixel_points(request.scene, band.y0(), band.y0() + band.rows(), format.parameters)});
-    }
-    return inputs;
-}
 
 }  // namespace
 
@@ -278,30 +254,33 @@ std::uint8_t byte_of(double channel) {
     return static_cast<std::uint8_t>(std::min(255.0, std::floor(std::fma(255.0, std::min(channel, 2.0), 0.5))));
 }
 
-std::vector<RenderSummary> run_render(const RenderRequest& request,
-                                      const std::function<void(std::size_t, const RenderBand&)>& show) {
-    const scene::file::Scene& scene = request.scene;
-    const std::size_t stages = request.stages.size();
-    std::vector<RenderSummary> summaries(request.rows.size() * stages);
-    for (std::size_t k = 0; k < summaries.size(); ++k) {
-        summaries[k].stage = request.stages[k % stages];
-        summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
+RenderStudy::Summary RenderStudy::begin(std::size_t) const {
+    Summary summary(stages.size());
+    for (std::size_t s = 0; s < stages.size(); ++s) {
+        summary[s].stage = stages[s];
+        summary[s].rule = shade_rule(scene.appearance, stages[s]);
     }
-    const StoredAppearance<double> look = input_appearance(scene, binary64);
-    for (int y0 = 0; y0 < scene.height; y0 += evaluate::band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)),
-                        {.stop = request.limit.stop});
-        const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
-        const auto inputs = inputs_of(request, band);
-        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
-            RowRenderer renderer(request, request.rows[r], band, inputs.at(request.rows[r].format.name), truth);
-            const RenderBand& result = renderer.render();
-            for (std::size_t s = 0; s < stages; ++s) add_to_summary(result, s, look, summaries[r * stages + s]);
-            if (show) show(r, result);
-            request.progress(band.pixels());
-        });
+    return summary;
+}
+
+BandToRender RenderStudy::prepare(const truth::Band& band) const {
+    std::map<std::string, truth::BandNeeds> needs;
+    for (const TestedForm& row : rows)
+        needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
+    BandToRender on{band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
+    for (const auto& [name, need] : needs) {
+        const Format format = *find_format(name);
+        on.inputs.emplace(
+            name, FormatOnBand{band.inputs(format, need), input_appearance(scene, format.parameters),
+                               input_pixel_points(scene, band.y0(), band.y0() + band.rows(), format.parameters)});
     }
-    return summaries;
+    return on;
+}
+
+RenderBand RenderStudy::measure(const BandToRender& on, std::size_t row, Summary& summary) const {
+    RenderBand found = RowRenderer(*this, rows[row], on).render();
+    for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(found, s, on.look, summary[s]);
+    return found;
 }
 
 }  // namespace lostbits::measure::picture

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "measure/picture/shade.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/picture/true_picture.hpp"
+#include "measure/shard/share.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -55,14 +58,14 @@ std::uint8_t byte_of(double channel);
 /// One form in one format over some scanlines.
 struct RenderBand {
     int y0, rows, width;
-    const answer::Answers* answers;
+    answer::Answers answers;
     std::span<const TruePixel> truth;
     std::vector<Seen> seen;
     std::vector<Shadow> shadow;  ///< empty where no stage casts shadows
     std::vector<double>
         normal_angle;              ///< between the computed and the true normal, radians; NaN except on `same_sphere`
     std::vector<double> residual;  ///< the metric of that name; NaN except on `same_sphere`
-    std::vector<std::vector<Painted>> painted;  ///< one picture a stage, in the order of the request
+    std::vector<std::vector<Painted>> painted;  ///< one picture a stage, in the order of the study
     std::vector<std::int32_t> truth_object;     ///< −1: background
 };
 
@@ -95,7 +98,16 @@ struct RenderSummary {
     [[nodiscard]] std::uint64_t unresolved() const;
 };
 
-/// Adds a band to the summary of one stage, pixel by pixel from the top. `place` is the stage's index in the request.
+/// The stage and its rule are those of the study and not listed.
+template <class Bits>
+void fields(Bits& bits, RenderSummary& whole) {
+    auto& [stage, rule, pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed, colour_unresolved,
+           colour_not_a_number, colour_error, normal_angle, residual] = whole;
+    bits(pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed, colour_unresolved,
+         colour_not_a_number, colour_error, normal_angle, residual);
+}
+
+/// Adds a band to the summary of one stage, pixel by pixel from the top. `place` is the stage's index in the study.
 /// `look` holds the scene's paint as binary64 is given it.
 void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look,
                     RenderSummary& summary);
@@ -104,18 +116,38 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
 using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
 
-struct RenderRequest {
+/// Inputs of one format on a band.
+struct FormatOnBand {
+    truth::FormatInputs geometry;
+    StoredAppearance<double> look;
+    std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
+};
+
+/// Everything that the rows of a band share.
+struct BandToRender {
+    const truth::Band& band;
+    std::vector<TruePixel> truth;
+    std::map<std::string, FormatOnBand> inputs;  ///< by the name of the format
+    StoredAppearance<double> look;               ///< as binary64 is given it
+};
+
+/// A study, see measure/study/study.hpp. The summary of a row has one element for each stage.
+struct RenderStudy {
+    using Band = RenderBand;
+    using Summary = std::vector<RenderSummary>;
+    static constexpr int pixels_together = 32768;
+
     const scene::file::Scene& scene;         ///< a scene of spheres
     std::vector<scene::file::Stage> stages;  ///< in rising order, none beyond what the scene asks for
     std::vector<evaluate::TestedForm> rows;
     PictureLimit limit{};
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `EvaluationRequest::progress`
-};
+    shard::Share share = {};
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-/// Renders all rows; one summary per row and stage, with the stages of a row side by side. `show` gets the bands of
-/// each row from top to bottom, those of different rows at the same time. The results do not depend on the number of
-/// threads.
-std::vector<RenderSummary> run_render(const RenderRequest& request,
-                                      const std::function<void(std::size_t row, const RenderBand& band)>& show = {});
+    void require() const {}
+    [[nodiscard]] Summary begin(std::size_t row) const;
+    [[nodiscard]] BandToRender prepare(const truth::Band& band) const;
+    RenderBand measure(const BandToRender& on, std::size_t row, Summary& summary) const;
+};
 
 }  // namespace lostbits::measure::picture

@@ -63,13 +63,13 @@ std::string picture_link(const std::string& title, const std::string& file) {
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(file));
 }
 
-/// The sheet of a scene, measured by `run`.
-template <class Sheet, class Request, class Run>
-std::string sheet_of(const ShownSubject& shown, const Request& request, const char* ending, const Run& run) {
-    const std::string file = request.scene.id + ending;
-    Sheet sheet(request, {.folder = {}, .sheet_alone = shown.folder / "pictures" / file});
-    sheet.finish(run(request, [&sheet](std::size_t row, const auto& band) { sheet.band(row, band); }));
-    return picture_link(request.scene.title, file);
+/// The sheet of a study.
+template <class View>
+std::string sheet_of(const ShownSubject& shown, const typename View::Study& study, const char* ending) {
+    const std::string file = study.scene.id + ending;
+    study::StudyFiles<View> sheet(study, {.folder = {}, .sheet_alone = shown.folder / "pictures" / file});
+    sheet.finish(measure::study::run_study(study, sheet.show()));
+    return picture_link(study.scene.title, file);
 }
 
 /// The marches along a scene's first pixel, sample by sample, if all claims are about those; otherwise the picture of
@@ -103,7 +103,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
     std::set<scene::file::Stage> stages;
     for (const Claim* const c : shown.claims)
         stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
-    measure::picture::RenderRequest request{
+    measure::picture::RenderStudy study{
         .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
     // Every form in every format that a claim names. An empty cell on the sheet would look like a format that the form
     // lacks.
@@ -111,42 +111,42 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
     for (const TestedForm& a : claimed) {
         for (const TestedForm& b : claimed) {
             const auto same = [&](const TestedForm& r) { return r.form == a.form && r.format == b.format; };
-            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same))
-                request.rows.push_back({a.form, b.format});
+            if (a.form->exists_in(b.format) && std::ranges::none_of(study.rows, same))
+                study.rows.push_back({a.form, b.format});
         }
     }
-    return sheet_of<picture::RenderFiles>(shown, request, ".rendered.png", measure::picture::run_render);
+    return sheet_of<picture::RenderView>(shown, study, ".rendered.png");
 }
 
 /// The offsets of a scene, for each form, format and kind of point that its claims name.
 std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    measure::offset::OffsetRequest request{.scene = scene,
-                                           .rows = {},
-                                           .strategies = measure::offset::all_strategies(),
-                                           .limit = {.stop = shown.run.stop},
-                                           .quiet = false};
+    measure::offset::OffsetStudy study{.scene = scene,
+                                       .rows = {},
+                                       .strategies = measure::offset::all_strategies(),
+                                       .limit = {.stop = shown.run.stop},
+                                       .quiet = false};
     for (const Claim* const c : shown.claims) {
         for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
             const measure::offset::OffsetRow row{measure::claim::claim_row(*c), point};
             if (name_of(point) == c->on<OffsetsSubject>()->points &&
-                std::ranges::find(request.rows, row) == request.rows.end())
-                request.rows.push_back(row);
+                std::ranges::find(study.rows, row) == study.rows.end())
+                study.rows.push_back(row);
         }
     }
-    return sheet_of<offset::OffsetFiles>(shown, request, ".offsets.png", measure::offset::run_offsets);
+    return sheet_of<offset::OffsetView>(shown, study, ".offsets.png");
 }
 
 /// All consistency checks of a scene.
 std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     const std::vector<TestedForm> rows = rows_of(shown.claims);
-    const measure::consistency::ConsistencyRequest request{.scene = scene,
-                                                           .rows = rows,
-                                                           .checks = measure::consistency::checks_for(scene, rows),
-                                                           .limit = {.stop = shown.run.stop}};
-    return sheet_of<consistency::ConsistencyFiles>(shown, request, ".consistency.png",
-                                                   measure::consistency::run_consistency);
+    return sheet_of<consistency::ConsistencyView>(shown,
+                                                  {.scene = scene,
+                                                   .rows = rows,
+                                                   .checks = measure::consistency::checks_for(scene, rows),
+                                                   .limit = {.stop = shown.run.stop}},
+                                                  ".consistency.png");
 }
 
 /// The plots of a sweep that its claims are about.

@@ -17,9 +17,8 @@ using measure::consistency::AccordOfPixels;
 using measure::consistency::Check;
 using measure::consistency::CheckSummary;
 using measure::consistency::ConsistencyBand;
-using measure::consistency::ConsistencyRequest;
+using measure::consistency::ConsistencyStudy;
 using measure::consistency::RowChecks;
-using measure::evaluate::TestedForm;
 using pixel::colour_of;
 using pixel::PixelColumn;
 using pixel::PixelValue;
@@ -50,13 +49,37 @@ pixel::Look look_of(const Check& check) {
         check.numbers ? excess_unit : ""};
 }
 
-std::vector<PixelColumn<ConsistencyBand>> columns_of(const ConsistencyRequest& request) {
+std::string note_of(const Check& check, const CheckSummary& s) {
+    if (s.asked() == 0) return "not asked";
+    // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
+    if (check.measure == measure::consistency::check_end) {
+        const auto yes = s.of(Accord::second_alone);
+        return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
+    }
+    const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
+    std::string note = s.decisions() == 0 ? alike : share_text(s.decisions(), s.asked()) + " differ";
+    if (const auto inputs = s.of(Accord::by_inputs); inputs > 0 && !check.numbers)
+        note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
+    if (s.excess.count() > 0)
+        note += fmt::format("\np99 {:.3g}, max {:.3g} ulps", s.excess.quantile(0.99), s.excess.quantile(1));
+    else if (s.of(Accord::other_number) > 0)
+        note += fmt::format("\n{} other bits", share_text(s.of(Accord::other_number), s.asked()));
+    return note;
+}
+
+}  // namespace
+
+std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row) {
+    return map::row_name(study.rows[row]);
+}
+
+std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
     std::vector<PixelColumn<ConsistencyBand>> columns;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        for (std::size_t c = 0; c < request.checks.size(); ++c) {
-            const Check& check = *request.checks[c];
-            const auto& row = request.rows[r];
-            pixel::ColumnSpec spec{.file = fmt::format("{}.{}.png", map::row_name(row), check.name),
+    for (std::size_t r = 0; r < study.rows.size(); ++r) {
+        for (std::size_t c = 0; c < study.checks.size(); ++c) {
+            const Check& check = *study.checks[c];
+            const auto& row = study.rows[r];
+            pixel::ColumnSpec spec{.file = fmt::format("{}.{}.png", row_name(study, r), check.name),
                                    .title = fmt::format("{}: {}", check.name, check.title),
                                    .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
                                    .look = std::make_shared<const pixel::Look>(look_of(check)),
@@ -78,13 +101,13 @@ std::vector<PixelColumn<ConsistencyBand>> columns_of(const ConsistencyRequest& r
     return columns;
 }
 
-image::SheetSpec sheet_spec(const ConsistencyRequest& request) {
+pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
-        .title = request.scene.title,
+        .title = study.scene.title,
         .subtitle =
             {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
                          "alike",
-                         request.scene.id, request.scene.width, request.scene.height),
+                         study.scene.id, study.scene.width, study.scene.height),
              "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
              "more than the exact answers both chords, or both t, differ"},
         .forms = {},
@@ -93,40 +116,27 @@ image::SheetSpec sheet_spec(const ConsistencyRequest& request) {
         .unit = excess_unit,
         .legend = {},
         .categories = true};
-    for (const Check* check : request.checks) spec.forms.emplace_back(check->name);
-    for (const auto& row : request.rows)
+    for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
+    for (const auto& row : study.rows)
         spec.formats.push_back(fmt::format("{} {}", map::short_name(*row.form->info), row.format.name));
-    return spec;
+    return {file, std::move(spec)};
 }
 
-std::string note_of(const Check& check, const CheckSummary& s) {
-    if (s.asked() == 0) return "not asked";
-    // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
-    if (check.measure == measure::consistency::check_end) {
-        const auto yes = s.of(Accord::second_alone);
-        return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
-    }
-    const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? alike : share_text(s.decisions(), s.asked()) + " differ";
-    if (const auto inputs = s.of(Accord::by_inputs); inputs > 0 && !check.numbers)
-        note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
-    if (s.excess.count() > 0)
-        note += fmt::format("\np99 {:.3g}, max {:.3g} ulps", s.excess.quantile(0.99), s.excess.quantile(1));
-    else if (s.of(Accord::other_number) > 0)
-        note += fmt::format("\n{} other bits", share_text(s.of(Accord::other_number), s.asked()));
-    return note;
+std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+    std::vector<study::Note> notes;
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        for (std::size_t c = 0; c < rows[r].size(); ++c)
+            notes.push_back({{c, r}, note_of(*study.checks[c], rows[r][c])});
+    return notes;
 }
 
-Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
-    using R = AccordPixel;
+Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
+    using R = study::PixelInBand<ConsistencyBand>;
     std::string known;
     for (const std::string_view name : accord_names) known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
-    Table<R> table{
-        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
-        {"y", "integer", "", "row of the pixel",
-         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
-    for (std::size_t c = 0; c < request.checks.size(); ++c) {
-        const Check& check = *request.checks[c];
+    Table<R> table = study::place_columns<ConsistencyBand>();
+    for (std::size_t c = 0; c < study.checks.size(); ++c) {
+        const Check& check = *study.checks[c];
         table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known),
                    [c](const R& r) { return accord_names[static_cast<std::size_t>(r.band->checks[c].accord[r.i])]; }});
         if (!check.numbers) continue;
@@ -146,7 +156,7 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     return table;
 }
 
-Table<CheckRow> check_table() {
+Table<CheckRow> ConsistencyView::summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "string", "", "the check: which two questions are compared",
                     [](const R& r) { return r.check->name; }}};
@@ -172,38 +182,11 @@ Table<CheckRow> check_table() {
          {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-}  // namespace
-
-ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, pixel::SceneFilesOptions options)
-    : request_(request),
-      options_(std::move(options)),
-      table_(options_.folder, "summary.csv", "One row per check, form and format", check_table()),
-      pictures_({.scene = request.scene,
-                 .sheets = {{options_.sheet(), sheet_spec(request)}},
-                 .singles = options_.folder_of_singles(),
-                 .stop = request.limit.stop},
-                columns_of(request)) {
-    if (!options_.pixels_csv) return;
-    for (const TestedForm& row : request.rows)
-        pixels_.push_back(std::make_unique<table::TableFile<AccordPixel>>(options_.folder, map::row_name(row) + ".csv",
-                                                                          "One row per pixel", pixel_table(request)));
-}
-
-void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
-    pictures_.take(row, band, band.y0, band.checks.front().accord.size());
-    if (pixels_.empty()) return;
-    for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) pixels_[row]->add({&band, i});
-}
-
-void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t c = 0; c < rows[r].size(); ++c) {
-            pictures_.writer().set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
-            table_.add({request_.checks[c], &request_.rows[r], &rows[r][c]});
-        }
-    }
-    pictures_.writer().finish();
-    if (!options_.folder.empty()) table::close_tables(options_.folder, request_.scene.title, table_, pixels_);
+std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
+    std::vector<CheckRow> all;
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        for (std::size_t c = 0; c < rows[r].size(); ++c) all.push_back({study.checks[c], &study.rows[r], &rows[r][c]});
+    return all;
 }
 
 }  // namespace lostbits::output::consistency

@@ -1,22 +1,13 @@
-// Files of a consistency run, which asks the same question in two ways at every pixel of a scene: pictures, the contact
-// sheet, one row per pixel, and summary.csv.
+// Files of a consistency run, which asks the same question in two ways at every pixel of a scene.
 #pragma once
 
-#include <filesystem>
-#include <memory>
+#include <string>
 #include <vector>
 
 #include "measure/consistency/consistency.hpp"
-#include "output/pixel/columns.hpp"
-#include "output/table/table.hpp"
+#include "output/study/study_files.hpp"
 
 namespace lostbits::output::consistency {
-
-/// A pixel of a band, for the table of pixels.
-struct AccordPixel {
-    const measure::consistency::ConsistencyBand* band;
-    std::size_t i;
-};
 
 /// Result of a check for a form in a format.
 struct CheckRow {
@@ -25,24 +16,24 @@ struct CheckRow {
     const measure::consistency::CheckSummary* summary;
 };
 
-/// Opens all files before the work starts. `finish` gives them their final names.
-///
-/// One sheet shows all checks: checks across, forms and formats down. `<form>.<format>.<check>.png` is one of its
-/// cells. `<form>.<format>.csv` has one row per pixel.
-class ConsistencyFiles {
-public:
-    /// `request` must outlive it.
-    ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, pixel::SceneFilesOptions options);
+/// A view, see output/study/study_files.hpp. One sheet shows all checks: checks across, forms and formats down.
+/// `<form>.<format>.<check>.png` is one of its cells. `<form>.<format>.csv` has one row per pixel.
+struct ConsistencyView {
+    using Study = measure::consistency::ConsistencyStudy;
+    using Band = Study::Band;
+    using SummaryRow = CheckRow;
+    static constexpr const char* summary_title = "One row per check, form and format";
+    static constexpr const char* pixel_title = "One row per pixel";
 
-    void band(std::size_t row, const measure::consistency::ConsistencyBand& band);
-    void finish(const std::vector<measure::consistency::RowChecks>& rows);
-
-private:
-    const measure::consistency::ConsistencyRequest& request_;
-    pixel::SceneFilesOptions options_;
-    table::TableFile<CheckRow> table_;
-    pixel::ColumnFiles<measure::consistency::ConsistencyBand> pictures_;
-    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels_;  ///< one per row, if asked for
+    static table::Table<CheckRow> summary_table();
+    static std::vector<CheckRow> summary_rows(const Study& study,
+                                              const std::vector<measure::consistency::RowChecks>& rows);
+    static std::string row_name(const Study& study, std::size_t row);
+    static std::size_t pixels(const Band& band) { return band.checks.front().accord.size(); }
+    static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
+    static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
+    static std::vector<study::Note> notes(const Study& study, const std::vector<measure::consistency::RowChecks>& rows);
+    static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
 };
 
 }  // namespace lostbits::output::consistency

@@ -154,9 +154,9 @@ struct JudgeFiles::Parts {
     std::vector<std::unique_ptr<RowParts>> rows = {};
 
     /// For a shard: adds the lines of the row's table to the map's piece of the row.
-    [[nodiscard]] map::KeepPiece keep_of_map() {
+    [[nodiscard]] pixel::KeepPiece keep_of_map() {
         if (!options.keep) return {};
-        return [this](std::size_t row, map::MapPiece&& piece) {
+        return [this](std::size_t row, pixel::Piece&& piece) {
             if (rows.at(row)->rows()) piece.lines = rows[row]->rows()->take_lines();
             options.keep(row, std::move(piece));
         };
@@ -196,7 +196,7 @@ void JudgeFiles::piece(std::size_t row, const Chunk& chunk, const measure::evalu
     parts_->rows[row]->piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t row, map::MapPiece&& piece) {
+void JudgeFiles::put(std::size_t row, pixel::Piece&& piece) {
     if (auto& rows = parts_->rows.at(row)->rows()) rows->add_lines(piece.lines);
     piece.lines.clear();
     parts_->map->put(row, std::move(piece));

@@ -21,7 +21,7 @@ struct JudgeFilesOptions {
     bool singles = false;                                    ///< also each picture of a sheet alone
     bool rows = false;                                       ///< one row per ray in `<form>.<format>.csv`
     std::size_t worst = 10;                                  ///< number of rays of each kind in worst.toml
-    map::KeepPiece keep = {};                                ///< receives the pieces of a shard
+    pixel::KeepPiece keep = {};                              ///< receives the pieces of a shard
 };
 
 /// Opens every file before any work and gives all their final names in `finish`, like `MapFiles`.
@@ -36,7 +36,7 @@ public:
     /// Takes the next rays of a row.
     void piece(std::size_t row, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
     /// Writes the next piece of a row, which another run kept.
-    void put(std::size_t row, map::MapPiece&& piece);
+    void put(std::size_t row, pixel::Piece&& piece);
     /// Worst rays of each row. `append` adds those that another run found in the rays that follow.
     [[nodiscard]] std::vector<measure::judge::WorstRays> worst() const;
     void append(std::vector<measure::judge::WorstRays>&& after);

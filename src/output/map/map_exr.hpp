@@ -13,8 +13,11 @@
 #include "output/image/exr_book.hpp"
 #include "output/pixel/columns.hpp"
 #include "output/pixel/exr_layers.hpp"
+#include "output/pixel/row_files.hpp"
 
 namespace lostbits::output::map {
+
+using pixel::ExrRows;
 
 /// What to write, and the command behind it.
 struct MapExrRequest {
@@ -32,19 +35,6 @@ struct Previewed {
 };
 using MapStrip = Previewed<measure::evaluate::BandResult>;
 using NeededStrip = Previewed<measure::evaluate::NeededBand>;
-
-/// Rows of a part, as stored in the file.
-struct ExrRows {
-    std::uint64_t part = 0;
-    int y0 = 0, rows = 0;
-    std::vector<std::uint32_t> samples;
-};
-
-template <class Bits>
-void fields(Bits& bits, ExrRows& piece) {
-    auto& [part, y0, rows, samples] = piece;
-    bits(part, y0, rows, samples);
-}
 
 /// Parts, in this order, with channels of 32 bits:
 ///  - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
@@ -87,25 +77,5 @@ private:
     std::vector<const intersect::Info*> needed_;
     std::unique_ptr<image::ExrBook> book_;
 };
-
-/// Everything that the files of a map take from a band of a row, or of the bits needed by a form. A shard keeps it;
-/// otherwise it is written.
-struct MapPiece {
-    int y0 = 0;
-    std::vector<pixel::Strip> strips = {};  ///< of each picture that is drawn, in their order
-    std::vector<ExrRows> exr = {};
-    std::string lines = {};  ///< lines of the table of pixels
-
-    [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
-};
-
-template <class Bits>
-void fields(Bits& bits, MapPiece& piece) {
-    auto& [y0, strips, exr, lines] = piece;
-    bits(y0, strips, exr, lines);
-}
-
-/// Receives the pieces of each row instead of the files; then no file is opened.
-using KeepPiece = std::function<void(std::size_t row, MapPiece&& piece)>;
 
 }  // namespace lostbits::output::map

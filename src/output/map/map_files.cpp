@@ -10,8 +10,8 @@
 #include "output/file/machine.hpp"
 #include "output/map/map_pictures.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_files.hpp"
 #include "output/map/row_names.hpp"
+#include "output/pixel/row_files.hpp"
 
 namespace lostbits::output::map {
 
@@ -22,7 +22,7 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-using MapRowFiles = RowFiles<BandResult, BandRay>;
+using MapRowFiles = pixel::RowFiles<BandResult, BandRay>;
 
 /// Preview of a row to which none of the metrics applies.
 std::vector<image::Rgb8> outcomes_of(const BandResult& result) {
@@ -60,12 +60,20 @@ struct MapFiles::Parts {
                 options.keep ? "" : options.folder, row_name(row) + ".csv",
                 fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
                 pixel_table(request.metrics));
-        const auto exr_rows = [&row, exr = options.exr](const BandResult& band, std::span<const image::Rgb8> preview) {
-            return preview.empty() ? exr->rows_of(row, band, outcomes_of(band)) : exr->rows_of(row, band, preview);
-        };
-        const auto pixel = [&row](const BandResult& band, std::size_t i) { return BandRay{&band, i, &row}; };
-        const BandFiles<BandResult> files{pictures->files(), options.exr, options.keep};
-        rows.emplace_back(r, files, MapRowFiles::Writers{exr_rows, pixel}, std::move(pixels));
+        MapRowFiles::Writers writers{.exr_rows = {},
+                                     .add_pixel =
+                                         [&row](table::TableFile<BandRay>& to, const BandResult& band, std::size_t i) {
+                                             to.add({&band, i, &row});
+                                         },
+                                     .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
+        pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep};
+        if (MapExr* const exr = options.exr) {
+            writers.exr_rows = [&row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+                return preview.empty() ? exr->rows_of(row, band, outcomes_of(band)) : exr->rows_of(row, band, preview);
+            };
+            files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
+        }
+        rows.emplace_back(r, files, std::move(writers), std::move(pixels));
     }
 };
 
@@ -92,7 +100,7 @@ MapFiles::~MapFiles() = default;
 
 std::vector<measure::evaluate::Show> MapFiles::shows() { return measure::evaluate::shown_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row).put(piece); }
+void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).put(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;

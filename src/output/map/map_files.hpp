@@ -29,7 +29,7 @@ struct MapFilesOptions {
     NameOfRay name_of_ray = {};                 ///< replaces `named` if the rays come from a file
     bool listed = false;                        ///< the rays are a list and not a picture, so none is drawn
     std::optional<BarRange> range = {};         ///< for every colour bar; absent: what fits each format
-    KeepPiece keep = {};                        ///< receives the pieces of a shard
+    pixel::KeepPiece keep = {};                 ///< receives the pieces of a shard
     std::string by = {};                        ///< column whose values group the rays; empty: none
     /// If set, the only file: the sheet of lost bits, and nothing else is drawn. Its legend leaves out correct hits
     /// without a value.
@@ -48,7 +48,7 @@ public:
     /// Functions that take the bands of each row of the request, in its order.
     [[nodiscard]] std::vector<measure::evaluate::Show> shows();
     /// Writes the next piece of a row, which another run kept.
-    void put(std::size_t row, MapPiece&& piece);
+    void put(std::size_t row, pixel::Piece&& piece);
     void finish(const std::vector<measure::evaluate::FormSummary>& summaries,
                 const measure::evaluate::Groups& groups = {});
 

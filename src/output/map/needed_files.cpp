@@ -7,8 +7,8 @@
 
 #include "measure/metric/statistics.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_files.hpp"
 #include "output/pixel/columns.hpp"
+#include "output/pixel/row_files.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
@@ -134,7 +134,7 @@ Table<NeededPixel> needed_pixel_table(int bits) {
              [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
 }
 
-using NeededFormFiles = RowFiles<NeededBand, NeededPixel>;
+using NeededFormFiles = pixel::RowFiles<NeededBand, NeededPixel>;
 
 }  // namespace
 
@@ -152,13 +152,21 @@ struct NeededFiles::Parts {
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
                 options.keep ? "" : options.folder, stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
-        const auto exr_rows = [exr = options.exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
-            return exr->rows_of(band, preview);
-        };
-        const auto pixel = [](const NeededBand& band, std::size_t i) { return NeededPixel{&band, i, band.truth(i)}; };
-        const BandFiles<NeededBand> files{pictures, options.exr, options.keep};
-        forms.push_back(std::make_unique<NeededFormFiles>(place, files, NeededFormFiles::Writers{exr_rows, pixel},
-                                                          std::move(pixels)));
+        NeededFormFiles::Writers writers{
+            .exr_rows = {},
+            .add_pixel =
+                [](table::TableFile<NeededPixel>& to, const NeededBand& band, std::size_t i) {
+                    to.add({&band, i, band.truth(i)});
+                },
+            .pixels = [](const NeededBand& band) { return band.needed.size(); }};
+        pixel::BandFiles<NeededBand> files{pictures, {}, options.keep};
+        if (MapExr* const exr = options.exr) {
+            writers.exr_rows = [exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
+                return exr->rows_of(band, preview);
+            };
+            files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
+        }
+        forms.push_back(std::make_unique<NeededFormFiles>(place, files, std::move(writers), std::move(pixels)));
     }
 };
 
@@ -183,7 +191,7 @@ std::vector<file::DataResource> NeededFiles::resources() const {
     return resources;
 }
 
-void NeededFiles::put(std::size_t form, MapPiece&& piece) { parts_->forms.at(form)->put(piece); }
+void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->put(piece); }
 
 void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;

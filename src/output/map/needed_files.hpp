@@ -20,7 +20,7 @@ struct NeededFilesOptions {
     std::filesystem::path folder;  ///< folder of the scene; created if missing
     bool pixels_csv = false;       ///< a row per pixel in `<form>.needed.csv`
     MapExr* exr = nullptr;         ///< for the same request; null: no EXR is written
-    KeepPiece keep = {};           ///< receives the pieces of a shard
+    pixel::KeepPiece keep = {};    ///< receives the pieces of a shard
 };
 
 /// Writes `<form>.needed.png`: the width on viridis from 2 to 53; `needed.csv`: a row per form; with an EXR also its
@@ -36,7 +36,7 @@ public:
     /// Takes the next band of a form.
     void band(std::size_t form, const measure::evaluate::NeededBand& result);
     /// Writes the next piece of a form, which another run kept.
-    void put(std::size_t form, MapPiece&& piece);
+    void put(std::size_t form, pixel::Piece&& piece);
     /// Tables for the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
     void finish(const std::vector<measure::evaluate::NeededSummary>& summaries);

@@ -9,8 +9,8 @@ namespace lostbits::output::offset {
 
 using measure::offset::Along;
 using measure::offset::both_sides;
-using measure::offset::OffsetRequest;
 using measure::offset::OffsetRow;
+using measure::offset::OffsetStudy;
 using measure::offset::OffsetSummary;
 using measure::offset::Side;
 using measure::offset::SideSummary;
@@ -28,35 +28,35 @@ plot::AxisSpec axis_of(Along along) {
 
 }  // namespace
 
-AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetRequest& request, Along along)
+AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along)
     : folder_(folder),
-      request_(request),
+      study_(study),
       along_(along),
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<PlaceRow>{{std::string(name_of(along)), "number", "",
                                      std::string(measure::offset::meaning_of(along)), &PlaceRow::place}}
-                 .add(strategy_table(), &PlaceRow::of)) {}
+                 .add(OffsetView::summary_table(), &PlaceRow::of)) {}
 
 void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
-    for (const StrategyRow& row : strategy_rows(request_, summaries)) table_.add({k, row});
+    for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({k, row});
     steps_.push_back(k);
     summaries_.push_back(std::move(summaries));
 }
 
 std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char* what) const {
     return folder_ /
-           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(request_.rows[row]), name_of(side), what);
+           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row]), name_of(side), what);
 }
 
 void AlongFiles::plot_wrong(std::size_t row, Side side) const {
     plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
-                            .subtitle = {request_.scene.title, subject(request_.rows[row], side)},
+                            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
                             .x = axis_of(along_),
                             .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
                             .series = {}};
-    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
-        plot::Series series{.label = short_name(*request_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
+    for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
+        plot::Series series{.label = short_name(*study_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
         for (const auto& step : summaries_) {
             const SideSummary& s = step[row].on(side);
             series.y.push_back(measure::truth::fraction(s.strategies[k].bad, s.rays));
@@ -71,7 +71,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
     plot::LinePlotSpec spec{.title = fmt::format("Offsets along {}", name_of(along_)),
-                            .subtitle = {request_.scene.title, subject(request_.rows[row], side)},
+                            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
                             .x = axis_of(along_),
                             .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
                             .series = {}};
@@ -81,9 +81,9 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
         spec.series.push_back(std::move(series));
     };
     add("smallest safe offset, largest of all points", true, [](const SideSummary& s) { return s.safe.quantile(1); });
-    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
-        if (request_.strategies[k]->keeps_point) continue;
-        add(short_name(*request_.strategies[k]), false,
+    for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
+        if (study_.strategies[k]->keeps_point) continue;
+        add(short_name(*study_.strategies[k]), false,
             [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); });
     }
     spec.notes = {
@@ -93,7 +93,7 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
 }
 
 void AlongFiles::finish() {
-    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
+    for (std::size_t r = 0; r < study_.rows.size(); ++r) {
         for (const Side side : both_sides) {
             plot_wrong(r, side);
             plot_size(r, side);

@@ -15,8 +15,8 @@ using measure::answer::Outcome;
 using measure::offset::both_sides;
 using measure::offset::Fault;
 using measure::offset::OffsetBand;
-using measure::offset::OffsetRequest;
 using measure::offset::OffsetRow;
+using measure::offset::OffsetStudy;
 using measure::offset::OffsetSummary;
 using measure::offset::Side;
 using measure::offset::Strategy;
@@ -73,18 +73,48 @@ PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
 
 std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<std::size_t>(side); }
 
-std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
+/// Adds the texts below a line of the sheet.
+void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
+               std::vector<study::Note>& notes) {
+    if (side.safe.count() > 0)
+        notes.push_back(
+            {{0, line},
+             fmt::format("p50 {:.3g}, max {:.3g}\n(world units)", side.safe.quantile(0.5), side.safe.quantile(1))});
+    for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+        const auto& of = side.strategies[k];
+        std::string note =
+            side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
+        if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
+        notes.push_back({{k + 1, line}, std::move(note)});
+    }
+}
+
+}  // namespace
+
+std::string short_name(const Strategy& strategy) {
+    return std::string(strategy.name.substr(strategy.name.find('.') + 1));
+}
+
+std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
+
+std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
+    return offset::row_name(study.rows[row]);
+}
+
+std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
+
+std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
     const auto of_fates = std::make_shared<const pixel::Look>(fate_look()),
                of_safe = std::make_shared<const pixel::Look>(safe_look());
     std::vector<PixelColumn<OffsetBand>> columns;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const OffsetRow& row = request.rows[r];
+    for (std::size_t r = 0; r < study.rows.size(); ++r) {
+        const OffsetRow& row = study.rows[r];
         const std::string of_row =
             fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
         for (const Side side : both_sides) {
-            const std::string stem = fmt::format("{}.{}.", row_name(row), name_of(side));
-            for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-                const Strategy& s = *request.strategies[k];
+            const std::string stem = fmt::format("{}.{}.", offset::row_name(row), name_of(side));
+            for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+                const Strategy& s = *study.strategies[k];
                 columns.push_back({{.file = stem + short_name(s) + ".png",
                                     .title = fmt::format("{} {}", s.name, in_words(side)),
                                     .subtitle = {of_row, fmt::format("the new origin: {}", s.title)},
@@ -111,13 +141,12 @@ std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
     return columns;
 }
 
-/// Sheet with the smallest safe offset and the strategies across; form, format, points and side down.
-image::SheetSpec sheet_spec(const OffsetRequest& request) {
+pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
-        .title = request.scene.title,
+        .title = study.scene.title,
         .subtitle =
-            {fmt::format("{}, {} x {} pixels: the fate of rays that leave the points that a form finds",
-                         request.scene.id, request.scene.width, request.scene.height),
+            {fmt::format("{}, {} x {} pixels: the fate of rays that leave the points that a form finds", study.scene.id,
+                         study.scene.width, study.scene.height),
              "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
              "share of rays that go wrong"},
         .forms = {"smallest safe"},
@@ -126,23 +155,27 @@ image::SheetSpec sheet_spec(const OffsetRequest& request) {
         .unit = safe_unit,
         .legend = {},
         .categories = true};
-    for (const Strategy* s : request.strategies) spec.forms.push_back(short_name(*s));
-    for (const OffsetRow& row : request.rows) {
+    for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
+    for (const OffsetRow& row : study.rows) {
         for (const Side side : both_sides)
             spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
                                                name_of(row.point), name_of(side)));
     }
-    return spec;
+    return {file, std::move(spec), true};
 }
 
-Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
-    using R = OffsetPixel;
-    Table<R> table{
-        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
-        {"y", "integer", "", "row of the pixel",
-         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }},
-        {"object", "integer", "", "primitive that the ray leaves, from 0",
-         [](const R& r) { return r.band->object[r.i]; }}};
+std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
+    std::vector<study::Note> notes;
+    for (std::size_t r = 0; r < summaries.size(); ++r)
+        for (const Side side : both_sides) add_notes(study, line_of(r, side), summaries[r].on(side), notes);
+    return notes;
+}
+
+Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
+    using R = study::PixelInBand<OffsetBand>;
+    Table<R> table = study::place_columns<OffsetBand>();
+    table.add({"object", "integer", "", "primitive that the ray leaves, from 0",
+               [](const R& r) { return r.band->object[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
@@ -152,8 +185,8 @@ Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
              {"quiet_" + name, "number", "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
-        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-            const Strategy& s = *request.strategies[k];
+        for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+            const Strategy& s = *study.strategies[k];
             const std::string rays = "rays of " + std::string(s.name);
             table.add(
                 {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that by truth hit what they leave",
@@ -166,30 +199,7 @@ Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
     return table;
 }
 
-}  // namespace
-
-std::string short_name(const Strategy& strategy) {
-    return std::string(strategy.name.substr(strategy.name.find('.') + 1));
-}
-
-std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
-
-std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
-
-void OffsetFiles::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
-    if (side.safe.count() > 0)
-        pictures_.writer().set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)",
-                                                           side.safe.quantile(0.5), side.safe.quantile(1)));
-    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
-        const auto& of = side.strategies[k];
-        std::string note =
-            side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
-        if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
-        pictures_.writer().set_note({k + 1, line}, note);
-    }
-}
-
-Table<StrategyRow> strategy_table() {
+Table<StrategyRow> OffsetView::summary_table() {
     using R = StrategyRow;
     Table<R> table{
         {"strategy", "string", "", "rule for the new origin: a row of the table of strategies",
@@ -209,59 +219,27 @@ Table<StrategyRow> strategy_table() {
     return table;
 }
 
-std::vector<StrategyRow> strategy_rows(const OffsetRequest& request, const std::vector<OffsetSummary>& summaries) {
+std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
+                                                  const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;
-    for (std::size_t r = 0; r < request.rows.size(); ++r)
+    for (std::size_t r = 0; r < study.rows.size(); ++r)
         for (const Side side : both_sides)
-            for (std::size_t k = 0; k < request.strategies.size(); ++k)
-                rows.push_back({&request.rows[r], &summaries[r], side, request.strategies[k], k});
+            for (std::size_t k = 0; k < study.strategies.size(); ++k)
+                rows.push_back({&study.rows[r], &summaries[r], side, study.strategies[k], k});
     return rows;
 }
 
-OffsetFiles::OffsetFiles(const OffsetRequest& request, pixel::SceneFilesOptions options)
-    : request_(request),
-      options_(std::move(options)),
-      table_(options_.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
-             strategy_table()),
-      pictures_({.scene = request.scene,
-                 .sheets = {{options_.sheet(), sheet_spec(request), true}},
-                 .singles = options_.folder_of_singles(),
-                 .stop = request.limit.stop},
-                columns_of(request)) {
-    if (!options_.pixels_csv) return;
-    for (const OffsetRow& row : request.rows)
-        pixels_.push_back(std::make_unique<table::TableFile<OffsetPixel>>(options_.folder, row_name(row) + ".csv",
-                                                                          "One row per pixel with a point that counts",
-                                                                          pixel_table(request)));
-}
-
-void OffsetFiles::band(std::size_t row, const OffsetBand& band) {
-    pictures_.take(row, band, band.y0, band.is_point.size());
-    if (pixels_.empty()) return;
-    for (std::size_t i = 0; i < band.is_point.size(); ++i)
-        if (band.is_point[i] != 0) pixels_[row]->add({&band, i});
-}
-
-void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
-    for (std::size_t r = 0; r < summaries.size(); ++r)
-        for (const Side side : both_sides) add_notes(line_of(r, side), summaries[r].on(side));
-    pictures_.writer().finish();
-    if (options_.folder.empty()) return;
-    table_.add_all(strategy_rows(request_, summaries));
-    table::close_tables(options_.folder, request_.scene.title, table_, pixels_, options_.also);
-}
-
-std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
+std::vector<std::string> row_in_words(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const measure::offset::OffsetRow& row = request.rows[r];
+    const measure::offset::OffsetRow& row = study.rows[r];
     const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
     for (const measure::offset::Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& on = summary.on(side);
         std::string right;
-        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+        for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             if (on.strategies[k].bad > 0) continue;
-            right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*request.strategies[k]));
+            right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*study.strategies[k]));
         }
         const double largest = on.safe.quantile(1);
         const std::string safe =
@@ -275,7 +253,7 @@ std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t 
                                     scene::toml::counted(on.rays, "ray"), right.empty() ? "no strategy" : right));
     }
     const auto safe =
-        measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
+        measure::offset::safe_strategies(summary, study.strategies, row.row.form->shape, measure::offset::both_sides);
     if (!safe.empty())
         lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", of,
                                     safe.front().strategy->name,

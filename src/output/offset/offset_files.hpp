@@ -9,8 +9,7 @@
 
 #include "measure/offset/along.hpp"
 #include "measure/offset/offsets.hpp"
-#include "output/pixel/columns.hpp"
-#include "output/table/table.hpp"
+#include "output/study/study_files.hpp"
 
 namespace lostbits::output::offset {
 
@@ -21,11 +20,6 @@ namespace lostbits::output::offset {
 /// `away from the primitive`, `into the primitive`
 [[nodiscard]] std::string in_words(measure::offset::Side side);
 
-struct OffsetPixel {
-    const measure::offset::OffsetBand* band;
-    std::size_t i;
-};
-
 /// A strategy on one side.
 struct StrategyRow {
     const measure::offset::OffsetRow* row;
@@ -34,38 +28,35 @@ struct StrategyRow {
     const measure::offset::Strategy* strategy;
     std::size_t place;  ///< index of the strategy
 };
-/// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
-[[nodiscard]] table::Table<StrategyRow> strategy_table();
-/// Every strategy on every side.
-[[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
-                                                     const std::vector<measure::offset::OffsetSummary>& summaries);
+/// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
+/// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
+/// `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has one row per pixel.
+struct OffsetView {
+    using Study = measure::offset::OffsetStudy;
+    using Band = Study::Band;
+    using SummaryRow = StrategyRow;
+    static constexpr const char* summary_title = "One row per strategy, side, kind of point, form and format";
+    static constexpr const char* pixel_title = "One row per pixel with a point that counts";
 
-/// Opens all files before the work starts. `finish` gives them their final names. One sheet shows all offsets: the
-/// smallest safe offset and the strategies across; forms, formats, kinds of points and sides down.
-/// `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has
-/// one row per pixel.
-class OffsetFiles {
-public:
-    /// `request` must outlive it.
-    OffsetFiles(const measure::offset::OffsetRequest& request, pixel::SceneFilesOptions options);
-
-    void band(std::size_t row, const measure::offset::OffsetBand& band);
-    void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
-
-private:
-    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
-
-    const measure::offset::OffsetRequest& request_;
-    pixel::SceneFilesOptions options_;
-    table::TableFile<StrategyRow> table_;
-    pixel::ColumnFiles<measure::offset::OffsetBand> pictures_;
-    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< one per row, if asked for
+    /// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
+    static table::Table<StrategyRow> summary_table();
+    /// Every strategy on every side.
+    static std::vector<StrategyRow> summary_rows(const Study& study,
+                                                 const std::vector<measure::offset::OffsetSummary>& summaries);
+    static std::string row_name(const Study& study, std::size_t row);
+    static std::size_t pixels(const Band& band) { return band.is_point.size(); }
+    static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
+    static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
+    static std::vector<study::Note> notes(const Study& study,
+                                          const std::vector<measure::offset::OffsetSummary>& summaries);
+    static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
+    static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
 };
 
-/// Findings for row `r` of a request, one sentence per line. For each side: the largest of the smallest safe offsets,
+/// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
 /// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
 /// which leaves the point as it is, is a strategy too). Empty if no point counts.
-[[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetRequest& request, std::size_t r,
+[[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetStudy& study, std::size_t r,
                                                     const measure::offset::OffsetSummary& summary);
 
 /// A strategy at a value on the axis.
@@ -78,8 +69,8 @@ struct PlaceRow {
 /// share of rays that go wrong, and `….size.png` the offsets together with the smallest safe one.
 class AlongFiles {
 public:
-    /// Opens the table. `request`, for the unchanged scene, must outlive it.
-    AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetRequest& request,
+    /// Opens the table. `study`, for the unchanged scene, must outlive it.
+    AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetStudy& study,
                measure::offset::Along along);
 
     void add(double k, std::vector<measure::offset::OffsetSummary> summaries);
@@ -93,7 +84,7 @@ private:
     [[nodiscard]] std::filesystem::path file_of(std::size_t row, measure::offset::Side side, const char* what) const;
 
     std::filesystem::path folder_;
-    const measure::offset::OffsetRequest& request_;
+    const measure::offset::OffsetStudy& study_;
     measure::offset::Along along_;
     table::TableFile<PlaceRow> table_;
     std::vector<double> steps_;

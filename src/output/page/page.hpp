@@ -117,7 +117,7 @@ struct Report {
 
 /// One table per side: the share of rays that each strategy gets wrong, in which way, and by how much the offset is too
 /// large.
-[[nodiscard]] std::string offset_table(const measure::offset::OffsetRequest& request,
+[[nodiscard]] std::string offset_table(const measure::offset::OffsetStudy& study,
                                        const measure::offset::OffsetSummary& summary);
 
 /// One table per side: strategies down, scenes across, and the share of rays that go wrong.

@@ -142,14 +142,14 @@ std::string mend_table(const mend::MendResult& r) {
     return text + "</tbody></table>\n";
 }
 
-std::string offset_table(const measure::offset::OffsetRequest& request, const measure::offset::OffsetSummary& summary) {
+std::string offset_table(const measure::offset::OffsetStudy& study, const measure::offset::OffsetSummary& summary) {
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
         for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
         text += "<table>" + caption_of(side) + header_row(names);
-        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*request.strategies[k])));
+        for (std::size_t k = 0; k < study.strategies.size(); ++k) {
+            text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
                 const double value =
                     column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);

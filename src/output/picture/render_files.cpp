@@ -5,13 +5,10 @@
 
 namespace lostbits::output::picture {
 
-using measure::evaluate::TestedForm;
 using measure::picture::RenderBand;
-using measure::picture::RenderRequest;
+using measure::picture::RenderStudy;
 
-namespace {
-
-table::Table<StageRow> stage_table() {
+table::Table<StageRow> RenderView::summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "string", "", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
@@ -21,13 +18,22 @@ table::Table<StageRow> stage_table() {
     return table;
 }
 
-pixel::ExrLayers<RenderBand> layers_of(const measure::picture::RenderRequest& request) {
+std::vector<StageRow> RenderView::summary_rows(const RenderStudy& study,
+                                               const std::vector<RenderStudy::Summary>& summaries) {
+    std::vector<StageRow> rows;
+    for (std::size_t s = 0; s < study.stages.size(); ++s)
+        for (std::size_t r = 0; r < study.rows.size(); ++r)
+            rows.push_back({study.stages[s], &study.rows[r], &summaries[r][s]});
+    return rows;
+}
+
+pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     pixel::ExrLayers<RenderBand> layers;
     layers.add_preview(
         [](const RenderBand& band, std::size_t i) { return picture_look().colour(pixel_of(band.painted.back()[i])); });
-    for (std::size_t s = 0; s < request.stages.size(); ++s) {
-        const std::string name(name_of(request.stages[s]));
-        const auto stage = static_cast<std::size_t>(request.stages[s]);
+    for (std::size_t s = 0; s < study.stages.size(); ++s) {
+        const std::string name(name_of(study.stages[s]));
+        const auto stage = static_cast<std::size_t>(study.stages[s]);
         for (int k = 0; k < 3; ++k)
             layers.add_number(name + "." + "rgb"[k],
                               [s, k](const RenderBand& band, std::size_t i) { return band.painted[s][i].colour[k]; });
@@ -46,58 +52,27 @@ pixel::ExrLayers<RenderBand> layers_of(const measure::picture::RenderRequest& re
         return band.shadow.empty() ? measure::picture::Shadow{} : band.shadow[i];
     });
     layers.add_count("class.object", [](const RenderBand& band, std::size_t i) {
-        return band.answers->hit[i] != 0 ? band.answers->object[i] + 1 : 0;
+        return band.answers.hit[i] != 0 ? band.answers.object[i] + 1 : 0;
     });
     layers.add_count("class.true_object",
                      [](const RenderBand& band, std::size_t i) { return band.truth_object[i] + 1; });
     return layers;
 }
 
-}  // namespace
-
-RenderExr::RenderExr(const std::filesystem::path& path, const measure::picture::RenderRequest& request,
-                     const measure::evaluate::TestedForm& row, const std::string& command)
-    : layers_(layers_of(request)) {
-    const image::ExrSpec spec{.width = request.scene.width,
-                              .height = request.scene.height,
-                              .channels = layers_.channels(),
-                              .attributes = {{"lostbits:command", command},
-                                             {"lostbits:schema", "lostbits-render/1"},
-                                             {"lostbits:scene", request.scene.id},
-                                             {"lostbits:form", std::string(row.form->info->name)},
-                                             {"lostbits:format", row.format.name},
-                                             image::compiler_attribute(),
-                                             {"lostbits:seen", pixel::numbered(measure::picture::seen_names)},
-                                             {"lostbits:shadow", pixel::numbered(measure::picture::shadow_names)},
-                                             image::objects_attribute()}};
-    book_ = std::make_unique<image::ExrBook>(path, std::vector{image::ExrPart{"", spec}});
-}
-
-RenderFiles::RenderFiles(const RenderRequest& request, pixel::SceneFilesOptions options)
-    : request_(request),
-      options_(std::move(options)),
-      table_(options_.folder, "summary.csv", "One row per stage, form and format", stage_table()),
-      grid_(request.rows),
-      pictures_(render_pictures(request, grid_, options_)) {
-    if (options_.folder.empty()) return;
-    for (const TestedForm& row : request.rows)
-        layers_.emplace_back(options_.folder / (map::row_name(row) + ".exr"), request, row, options_.command);
-}
-
-void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& summaries) {
-    for (RenderExr& exr : layers_) exr.close();
-    const std::size_t stages = request_.stages.size();
-    for (std::size_t k = 0; k < summaries.size(); ++k) {
-        const map::RowGrid::Place at = grid_.places[k / stages];
-        pictures_.writer().set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
-    }
-    pictures_.writer().finish();
-    if (options_.folder.empty()) return;
-    for (std::size_t s = 0; s < stages; ++s)
-        for (std::size_t r = 0; r < request_.rows.size(); ++r)
-            table_.add({request_.stages[s], &request_.rows[r], &summaries[r * stages + s]});
-    // Closed last, because a summary marks a folder as complete.
-    table::close_tables(options_.folder, request_.scene.title, table_);
+image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row,
+                                    const std::vector<image::Channel>& channels, const std::string& command) {
+    return {.width = study.scene.width,
+            .height = study.scene.height,
+            .channels = channels,
+            .attributes = {{"lostbits:command", command},
+                           {"lostbits:schema", "lostbits-render/1"},
+                           {"lostbits:scene", study.scene.id},
+                           {"lostbits:form", std::string(study.rows[row].form->info->name)},
+                           {"lostbits:format", study.rows[row].format.name},
+                           image::compiler_attribute(),
+                           {"lostbits:seen", pixel::numbered(measure::picture::seen_names)},
+                           {"lostbits:shadow", pixel::numbered(measure::picture::shadow_names)},
+                           image::objects_attribute()}};
 }
 
 }  // namespace lostbits::output::picture

@@ -12,7 +12,7 @@ namespace lostbits::output::picture {
 using image::Rgb8;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
-using measure::picture::RenderRequest;
+using measure::picture::RenderStudy;
 using measure::picture::RenderSummary;
 using measure::picture::Seen;
 using measure::picture::ShadeRule;
@@ -70,13 +70,13 @@ constexpr const char* glance_means =
     "is "
     "one, or one where there is none";
 
-image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& grid) {
-    const scene::file::Scene& scene = request.scene;
+image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) {
+    const scene::file::Scene& scene = study.scene;
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
                                                    scene.width, scene.height),
                                        "the picture of each form in each format, next to the certified one",
-                                       glance_means, map::input_note(scene, request.rows)},
+                                       glance_means, map::input_note(scene, study.rows)},
                           .forms = {"certified"},
                           .formats = {},
                           .scales = {},
@@ -84,36 +84,37 @@ image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& gr
                           .legend = {}};
     std::erase(spec.subtitle, "");
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
-    for (const Stage stage : request.stages)
+    for (const Stage stage : study.stages)
         for (const std::string& format : grid.formats)
             spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
     return spec;
 }
 
-/// Columns of a request.
+/// Columns of a study.
 class RenderColumns {
 public:
-    RenderColumns(const RenderRequest& request, const map::RowGrid& grid) : request_(request), grid_(grid) {
-        for (std::size_t s = 0; s < request.stages.size(); ++s) add_reference(s);
-        for (std::size_t r = 0; r < request.rows.size(); ++r) add_row(r);
+    explicit RenderColumns(const RenderStudy& study) : study_(study), grid_(study.rows) {
+        for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
+        for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
     }
     [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
 
 private:
+    /// The certified picture, which all rows share. It is drawn from the bands of the first.
     void add_reference(std::size_t s) {
         pixel::ColumnSpec spec{
-            .file = fmt::format("{}.reference.png", name_of(request_.stages[s])), .look = pictures_, .bare = true};
+            .file = fmt::format("{}.reference.png", name_of(study_.stages[s])), .look = pictures_, .bare = true};
         for (std::size_t f = 0; f < grid_.formats.size(); ++f) spec.places.push_back({0, s * grid_.formats.size() + f});
-        add(std::move(spec), request_.rows.size(),
-            [stage = static_cast<std::size_t>(request_.stages[s])](const RenderBand& band, std::size_t i) {
+        add(std::move(spec), 0,
+            [stage = static_cast<std::size_t>(study_.stages[s])](const RenderBand& band, std::size_t i) {
                 return certified(band.truth[i].colours[stage]);
             });
     }
 
     void add_row(std::size_t r) {
-        const std::string name = map::row_name(request_.rows[r]);
-        for (std::size_t s = 0; s < request_.stages.size(); ++s) {
-            const std::string stage(name_of(request_.stages[s]));
+        const std::string name = map::row_name(study_.rows[r]);
+        for (std::size_t s = 0; s < study_.stages.size(); ++s) {
+            const std::string stage(name_of(study_.stages[s]));
             const map::RowGrid::Place at = grid_.places[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = pictures_,
@@ -141,7 +142,7 @@ private:
 
     [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
                                              const char* note, SharedLook look) const {
-        const TestedForm& row = request_.rows[r];
+        const TestedForm& row = study_.rows[r];
         return {.file = std::move(file),
                 .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
                 .subtitle = {map::title_of(*row.form->info), note},
@@ -150,7 +151,7 @@ private:
 
     [[nodiscard]] bool any_stage(bool ShadeRule::*asks) const {
         return std::ranges::any_of(
-            request_.stages, [&](Stage s) { return measure::picture::shade_rule(request_.scene.appearance, s).*asks; });
+            study_.stages, [&](Stage s) { return measure::picture::shade_rule(study_.scene.appearance, s).*asks; });
     }
 
     template <class Of>
@@ -158,8 +159,8 @@ private:
         columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(of)});
     }
 
-    const RenderRequest& request_;
-    const map::RowGrid& grid_;
+    const RenderStudy& study_;
+    map::RowGrid grid_;
     SharedLook pictures_ = std::make_shared<const Look>(picture_look()),
                shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(of_colour),
                normals_ = error_look(of_normal), residuals_ = error_look(of_residual);
@@ -199,13 +200,23 @@ PixelValue pixel_of(const measure::picture::Painted& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-pixel::ColumnFiles<RenderBand> render_pictures(const RenderRequest& request, const map::RowGrid& grid,
-                                               const pixel::SceneFilesOptions& options) {
-    return {{.scene = request.scene,
-             .sheets = {{options.sheet(), sheet_spec(request, grid)}},
-             .singles = options.folder_of_singles(),
-             .stop = request.limit.stop},
-            RenderColumns(request, grid).take()};
+std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& study) {
+    return RenderColumns(study).take();
+}
+
+pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
+    return {file, sheet_spec(study, map::RowGrid(study.rows))};
+}
+
+std::vector<study::Note> RenderView::notes(const RenderStudy& study,
+                                           const std::vector<RenderStudy::Summary>& summaries) {
+    const map::RowGrid grid(study.rows);
+    std::vector<study::Note> notes;
+    for (std::size_t r = 0; r < summaries.size(); ++r)
+        for (std::size_t s = 0; s < summaries[r].size(); ++s)
+            notes.push_back(
+                {{1 + grid.places[r].form, s * grid.formats.size() + grid.places[r].format}, glance(summaries[r][s])});
+    return notes;
 }
 
 std::string glance(const RenderSummary& s) {

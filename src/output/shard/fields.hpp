@@ -1,5 +1,4 @@
-// Lists the fields of the results of shards. A structured binding names all fields of a struct, so a field that is
-// added there and forgotten here does not compile.
+// Lists the fields of the results of shards, see LOSTBITS_FIELDS.
 #pragma once
 
 #include "measure/claim/claim.hpp"
@@ -9,20 +8,13 @@
 #include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/judge/worst_rays.hpp"
+#include "measure/study/sums.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
 #include "output/shard/bits.hpp"
 
 namespace lostbits::output::shard {
-
-/// Passes the fields of a struct on in the order of their declaration.
-#define LOSTBITS_FIELDS(Struct, ...)         \
-    template <class Bits>                    \
-    void fields(Bits& bits, Struct& whole) { \
-        auto& [__VA_ARGS__] = whole;         \
-        bits(__VA_ARGS__);                   \
-    }
 
 /// A type with a member function that lists its fields.
 template <class Bits, class T>

@@ -7,6 +7,7 @@
 #include "measure/choice/obstacle.hpp"
 #include "measure/choice/room.hpp"
 #include "measure/rows.hpp"
+#include "measure/study/study.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
 #include "scene/dump/dump_writer.hpp"
@@ -303,10 +304,10 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     REQUIRE_FALSE(safe->outside.empty());
     CHECK(safe->outside.front().operations == 0);  // the solid is not asked, at the least
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
-    const measure::offset::OffsetRequest request{
+    const measure::offset::OffsetStudy request{
         .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};
-    const auto all = measure::offset::safe_strategies(measure::offset::run_offsets(request).front(), request.strategies,
-                                                      Shape::sphere);
+    const auto all =
+        measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
     REQUIRE(safe->both.size() == all.size());
     for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both[k].strategy == all[k].strategy);
     CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/points.hpp"
+#include "measure/study/study.hpp"
 
 namespace test_consistency {
 
@@ -27,7 +28,8 @@ const Check* named(std::string_view name) {
 
 std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                            std::vector<const Check*> among = all_checks()) {
-    return run_consistency({.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
+    return measure::study::run_study(
+        ConsistencyStudy{.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
 }
 
 /// Of one check of one row.

@@ -12,6 +12,7 @@
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
 #include "measure/speed/timing.hpp"
+#include "measure/study/study.hpp"
 
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
@@ -104,20 +105,20 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
         {"needed", [&] { m::evaluate::run_needed({.scene = scene, .forms = {row.form}, .limit = limit}); }},
         {"render",
          [&] {
-             m::picture::run_render(
-                 {.scene = scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
+             m::study::run_study(m::picture::RenderStudy{
+                 .scene = scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
          }},
         {"offsets",
          [&] {
-             m::offset::run_offsets({.scene = scene,
-                                     .rows = {{row, m::offset::HitPoint::computed}},
-                                     .strategies = m::offset::all_strategies(),
-                                     .limit = limit});
+             m::study::run_study(m::offset::OffsetStudy{.scene = scene,
+                                                        .rows = {{row, m::offset::HitPoint::computed}},
+                                                        .strategies = m::offset::all_strategies(),
+                                                        .limit = limit});
          }},
         {"consistency",
          [&] {
-             m::consistency::run_consistency(
-                 {.scene = scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
+             m::study::run_study(m::consistency::ConsistencyStudy{
+                 .scene = scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
          }},
         {"sweep", [&] { m::sweep::run_sweep({.sweep = sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"cases", [&] { m::sweep::run_cases({.file = cases, .rows = rows, .metrics = metrics, .limit = limit}); }},

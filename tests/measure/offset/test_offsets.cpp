@@ -9,6 +9,7 @@
 #include "measure/offset/offsets.hpp"
 #include "measure/offset/points.hpp"
 #include "measure/offset/smallest.hpp"
+#include "measure/study/study.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace test_offsets {
@@ -131,8 +132,8 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
 TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
-    const OffsetRequest request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
-    const auto summaries = run_offsets(request);
+    const OffsetStudy request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
+    const auto summaries = measure::study::run_study(request);
     const OffsetSummary& summary = summaries.front();
     const auto both = safe_strategies(summary, request.strategies, Shape::sphere);
     REQUIRE_FALSE(both.empty());

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
+#include "measure/study/study.hpp"
 #include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
@@ -32,11 +34,12 @@ inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std:
 
 /// Everything that a run hands out.
 struct Collected {
-    explicit Collected(const measure::picture::RenderRequest& request)
-        : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
-        for (auto& p : pictures) p.resize(request.stages.size());
-        summaries = measure::picture::run_render(
-            request, [this](std::size_t row, const measure::picture::RenderBand& band) { add(row, band); });
+    explicit Collected(const measure::picture::RenderStudy& study)
+        : pictures(study.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+        for (auto& p : pictures) p.resize(study.stages.size());
+        auto rows = measure::study::run_study(
+            study, {[this](std::size_t row, const measure::picture::RenderBand& band) { add(row, band); }});
+        for (auto& row : rows) std::ranges::move(row, std::back_inserter(summaries));
     }
     void add(std::size_t r, const measure::picture::RenderBand& band) {
         if (r == 0) truth.insert(truth.end(), band.truth.begin(), band.truth.end());

@@ -1,0 +1,111 @@
+// One question put to a form in two ways, as a study.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "analysis/selection/select.hpp"
+#include "analysis/study/study_words.hpp"
+#include "measure/offset/offsets.hpp"
+#include "number/error.hpp"
+#include "output/consistency/consistency_files.hpp"
+
+namespace lostbits::analysis::study {
+
+struct ConsistencyWords {
+    using View = output::consistency::ConsistencyView;
+    using Study = View::Study;
+    using Summaries = std::vector<Study::Summary>;
+    static constexpr const char* name = "consistency";
+    static constexpr const char* none_taken =
+        "consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'";
+    static constexpr const char* title =
+        "Whether a form gives one answer to a question put in two ways: closest and any hit, one ray and packs, a "
+        "segment from either end";
+    static constexpr const char* kinds = "; spheres or boxes";
+    static constexpr const char* form_words = "Forms, by name or glob (default: all that fit)";
+    static constexpr const char* example = "sphere[0].radius=10";
+
+    static std::vector<StudyOption> options() {
+        return {{"check", "Checks, by name or glob (default: all); `lostbits list checks`", {"*"}}};
+    }
+
+    static std::vector<std::string> usual_forms() { return {"*"}; }
+
+    static bool takes(const intersect::table::Intersector& form) { return measure::consistency::can_be_compared(form); }
+
+    static void require(const scene::file::Scene& scene) { measure::offset::require_few_solids(scene); }
+
+    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                    const StudyWords& words, intersect::process::StopToken stop) {
+        auto checks = measure::consistency::checks_for(
+            scene, rows, selection::select_rows(measure::consistency::checks(), words.at("check"), "check", "--check"));
+        if (checks.empty())
+            throw InputError(fmt::format(
+                "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "
+                "segment, short and light need a form that takes directions of any length; try --check reverse",
+                scene.id));
+        return {.scene = scene, .rows = std::move(rows), .checks = std::move(checks), .limit = {.stop = stop}};
+    }
+
+    static void say(const Study& study, const Summaries& rows, bool) {
+        for (std::size_t r = 0; r < rows.size(); ++r) say_row(study, study.rows[r], rows[r]);
+    }
+
+    /// The number of questions whose exact answer is not proved.
+    static std::uint64_t unproved(const Summaries& rows) {
+        std::uint64_t all = 0;
+        for (const measure::consistency::RowChecks& row : rows)
+            for (const measure::consistency::CheckSummary& s : row)
+                all += s.of(measure::consistency::Accord::unresolved);
+        return all;
+    }
+
+private:
+    /// `12 of 3072 (0.39%)`
+    static std::string share_text(std::uint64_t part, std::uint64_t whole) {
+        return fmt::format("{} of {} ({:.3g}%)", part, whole, 100 * measure::truth::fraction(part, whole));
+    }
+
+    /// The result of one check of a row in words; empty if there is nothing to say.
+    static std::string check_text(const measure::consistency::Check& check,
+                                  const measure::consistency::CheckSummary& s) {
+        std::string text;
+        const auto add = [&text](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
+        if (check.name == "end") {
+            const auto yes = s.of(measure::consistency::Accord::second_alone);
+            if (s.asked() > 0 && yes > 0 && yes < s.asked())
+                add("a hit exactly at the end of the ray counts for " + share_text(yes, s.asked()));
+            return text;
+        }
+        if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
+        const double apart = s.excess.quantile(1);  // NaN if no numbers are compared
+        if (s.of(measure::consistency::Accord::other_number) > 0 && !(apart > 0))
+            add("numbers differ for " + share_text(s.of(measure::consistency::Accord::other_number), s.asked()));
+        if (s.of(measure::consistency::Accord::by_inputs) > 0 && !check.numbers)
+            add("decisions differ because of rounded inputs, not the form, for " +
+                share_text(s.of(measure::consistency::Accord::by_inputs), s.asked()));
+        if (apart > 0)
+            add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
+                            check.name == "placed" ? "both t" : "both ends", apart));
+        return text;
+    }
+
+    static void say_row(const Study& study, const measure::evaluate::TestedForm& row,
+                        const measure::consistency::RowChecks& checks) {
+        const std::string of = fmt::format("{} {}", row.form->info->name, row.format.name);
+        std::string alike;
+        for (std::size_t c = 0; c < checks.size(); ++c) {
+            if (checks[c].asked() == 0) continue;
+            const std::string text = check_text(*study.checks[c], checks[c]);
+            if (text.empty()) alike += fmt::format("{}{}", alike.empty() ? "" : ", ", study.checks[c]->name);
+            else fmt::print("  {} {}: {}\n", of, study.checks[c]->name, text);
+        }
+        if (!alike.empty()) fmt::print("  {} gives the same answers: {}\n", of, alike);
+    }
+};
+
+}  // namespace lostbits::analysis::study

@@ -1,0 +1,113 @@
+// Rendered pictures, as a study.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "analysis/selection/select.hpp"
+#include "analysis/study/study_words.hpp"
+#include "number/error.hpp"
+#include "output/picture/render_files.hpp"
+
+namespace lostbits::analysis::study {
+
+struct RenderWords {
+    using View = output::picture::RenderView;
+    using Study = View::Study;
+    using Summaries = std::vector<Study::Summary>;
+    static constexpr const char* name = "render";
+    static constexpr const char* none_taken =
+        "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'";
+    static constexpr const char* title =
+        "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture";
+    static constexpr const char* kinds = "; scenes of spheres";
+    static constexpr const char* form_words =
+        "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, --pipe "
+        "and --shader)";
+    static constexpr const char* example = "light.position=[9,9,9]";
+
+    static std::vector<StudyOption> options() {
+        return {{"stage",
+                 "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
+                 {},
+                 {scene::file::stage_names.begin(), scene::file::stage_names.end()}}};
+    }
+
+    /// The form of the source.
+    static std::vector<std::string> usual_forms() { return {"sphere.expanded"}; }
+
+    static bool takes(const intersect::table::Intersector& form) { return form.shape == scene::file::rendered_shape; }
+
+    /// Refuses scenes that do not consist of spheres with colours.
+    static void require(const scene::file::Scene& scene) {
+        if (scene.flake)
+            throw InputError(
+                fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
+                            "`lostbits map`",
+                            scene.path.string()));
+        if (!scene.meets(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))
+            throw InputError(
+                fmt::format("{}: render draws {}, but scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
+                            row_of(scene::file::rendered_shape).plural, scene.id,
+                            Shapes(scene.shapes()).has(scene::file::rendered_shape) ? "other primitives too" : "none"));
+    }
+
+    /// Draws a stage that the scene does not have as the last one before it that the scene has.
+    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                    const StudyWords& words, intersect::process::StopToken stop) {
+        std::set<scene::file::Stage> stages;
+        for (const std::string& word : words.at("stage"))
+            stages.insert(scene.appearance.last_up_to(stage_of_word(word)));
+        if (stages.empty()) stages.insert(scene.appearance.furthest());
+        return {
+            .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = std::move(rows), .limit = {.stop = stop}};
+    }
+
+    /// Prints which stages a scene does not have.
+    static void note(const scene::file::Scene& scene, const StudyWords& words) {
+        for (const std::string& word : words.at("stage")) {
+            const auto asked = stage_of_word(word), drawn = scene.appearance.last_up_to(asked);
+            if (drawn != asked)
+                fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id, word,
+                           name_of(drawn));
+        }
+    }
+
+    static void say(const Study& study, const Summaries& summaries, bool verbose) {
+        if (verbose) print_rendered(study, summaries);
+    }
+
+    /// The number of pixels with something that is not proved.
+    static std::uint64_t unproved(const Summaries& summaries) {
+        std::uint64_t most = 0;
+        for (const Study::Summary& row : summaries)
+            for (const measure::picture::RenderSummary& s : row) most = std::max(most, s.unresolved());
+        return most;
+    }
+
+private:
+    /// The stage of this name, which must be known.
+    static scene::file::Stage stage_of_word(const std::string& word) {
+        const auto& names = scene::file::stage_names;
+        return static_cast<scene::file::Stage>(std::ranges::find(names, word) - names.begin());
+    }
+
+    static void print_rendered(const Study& study, const Summaries& summaries) {
+        fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt",
+                   "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
+        for (std::size_t r = 0; r < summaries.size(); ++r) {
+            const measure::evaluate::TestedForm& row = study.rows[r];
+            for (const measure::picture::RenderSummary& s : summaries[r])
+                fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
+                           row.form->info->name, row.format.name, s.changed, s.seen_wrong(),
+                           s.count(false, measure::picture::Shadow::own_shadow), s.flips(),
+                           s.colour_error.quantile(0.99), s.unresolved());
+        }
+    }
+};
+
+}  // namespace lostbits::analysis::study

@@ -1,0 +1,249 @@
+// Commands that are studies: their options, their scenes, their files, their shards.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/shard/pieces.hpp"
+#include "analysis/study/studies.hpp"
+#include "commands.hpp"
+#include "measure/offset/along.hpp"
+
+namespace lostbits::analysis {
+
+using measure::offset::Along;
+using measure::offset::OffsetStudy;
+using scene::file::Scene;
+
+namespace {
+
+struct StudyOptions : selection::SharedOptions {
+    study::StudyWords words;
+    std::string shard;
+};
+
+/// The run of a study over several scenes: its options, the folder of all results, its division, its progress.
+struct StudyRun {
+    const StudyOptions& options;
+    const Common& common;
+    std::filesystem::path out;
+    shard::Division& division;
+    output::file::Progress& progress;
+};
+
+/// Files of a scene beside those of the study; most studies have none.
+template <class Words>
+struct MoreFiles {
+    using Study = typename Words::View::Study;
+    MoreFiles(const Study&, const StudyRun&) {}
+    static void add_option(const shell::Command&, StudyOptions&) {}
+    static std::uint64_t pixels(const Study&, const study::StudyWords&) { return 0; }
+    static std::vector<std::string> jobs(const Study&, const study::StudyWords&) { return {}; }
+    [[nodiscard]] static std::vector<output::file::DataResource> resources() { return {}; }
+    static void run(const Study&, shard::Division&) {}
+};
+
+/// The values at which a scene is measured along an axis.
+struct Steps {
+    Along axis;
+    std::vector<double> values;
+};
+std::vector<Steps> steps_of(const study::StudyWords& words) {
+    std::vector<Steps> all;
+    const auto& asked = words.at("along");
+    for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
+        const auto axis = static_cast<Along>(k);
+        if (std::ranges::find(asked, name_of(axis)) != asked.end())
+            all.push_back({axis, measure::offset::steps_along(axis)});
+    }
+    return all;
+}
+
+std::string job_of(const OffsetStudy& study, Along axis, double value) {
+    return fmt::format("offsets {} along {} {}", study.scene.id, name_of(axis), value);
+}
+
+/// Takes the pieces of a study that has no pictures.
+struct NoFiles {
+    [[nodiscard]] static measure::study::ShowBand<OffsetStudy> show() { return {}; }
+    static void put(std::uint64_t, const output::pixel::Piece&) {}
+};
+
+/// The files of --along: the scene, measured at every position along an axis.
+template <>
+class MoreFiles<study::OffsetWords> {
+public:
+    MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.words)) {
+        if (run.division.is_shard()) return;
+        for (const Steps& steps : steps_)
+            files_.push_back(std::make_unique<output::offset::AlongFiles>(run.out / study.scene.id, study, steps.axis));
+    }
+
+    static void add_option(const shell::Command& command, StudyOptions& o) {
+        command.add_list("--along", o.words["along"],
+                         "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
+                         "(offset from the origin); pictures of 48 columns",
+                         shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
+    }
+    static std::uint64_t pixels(const OffsetStudy& study, const study::StudyWords& words) {
+        std::uint64_t pixels = 0;
+        for (const Steps& steps : steps_of(words))
+            for (const double k : steps.values)
+                pixels += measure::offset::moved_along(study.scene, steps.axis, k).pixels();
+        return pixels;
+    }
+    static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyWords& words) {
+        std::vector<std::string> jobs;
+        for (const Steps& steps : steps_of(words))
+            for (const double k : steps.values) jobs.push_back(job_of(study, steps.axis, k));
+        return jobs;
+    }
+
+    [[nodiscard]] std::vector<output::file::DataResource> resources() const {
+        std::vector<output::file::DataResource> all;
+        for (const auto& files : files_) all.push_back(files->resource());
+        return all;
+    }
+    void run(const OffsetStudy& study, shard::Division& division) {
+        for (std::size_t a = 0; a < steps_.size(); ++a) {
+            for (const double k : steps_[a].values) {
+                const Scene there = measure::offset::moved_along(study.scene, steps_[a].axis, k);
+                const OffsetStudy moved{.scene = there,
+                                        .rows = study.rows,
+                                        .strategies = study.strategies,
+                                        .limit = study.limit,
+                                        .progress = study.progress};
+                NoFiles none;
+                auto found = shard::run_divided(moved, none, division, job_of(study, steps_[a].axis, k));
+                if (found) files_[a]->add(k, std::move(*found));
+            }
+            if (!files_.empty()) files_[a]->finish();
+        }
+    }
+
+private:
+    std::vector<Steps> steps_;
+    std::vector<std::unique_ptr<output::offset::AlongFiles>> files_;  ///< one for each axis; none in a shard
+};
+
+/// The number of pixels of all rows of a study and of its further files.
+template <class Words>
+std::uint64_t units_of(const typename Words::View::Study& study, const study::StudyWords& words) {
+    return (study.scene.pixels() + MoreFiles<Words>::pixels(study, words)) * study.rows.size();
+}
+
+/// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
+/// shard.
+template <class Words>
+std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& run,
+                            const SceneFolders::Complete& complete) {
+    const StudyOptions& o = run.options;
+    const std::string job = fmt::format("{} {}", Words::name, study.scene.id);
+    const auto folder = run.out / study.scene.id;
+    const std::string named = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
+    MoreFiles<Words> more(study, run);
+    output::study::StudyFiles<typename Words::View> files(study,
+                                                          {.folder = folder,
+                                                           .pixels_csv = o.pixels == "csv",
+                                                           .command = run.common.typed.of(named),
+                                                           .singles = o.pictures == "all",
+                                                           .also = more.resources()},
+                                                          shard::keep_in(run.division, job));
+    // Opening the files of many forms takes seconds, so the estimate starts after it.
+    output::file::Estimate estimate(run.progress, study.scene.id,
+                                    units_of<Words>(study, o.words) / run.division.share().of, run.common.quiet);
+    study.progress = advancing(run.progress, &estimate);
+    const auto summaries = shard::run_divided(study, files, run.division, job);
+    more.run(study, run.division);
+    if (!summaries) return 0;
+    files.finish(*summaries);
+    complete();
+    if (!run.common.quiet) {
+        run.progress.aside([&] {
+            fmt::print("{}\n", (folder / "contact.png").string());
+            Words::say(study, *summaries, run.common.verbose);
+        });
+    }
+    return Words::unproved(*summaries);
+}
+
+template <class Words>
+Exit run_command(const StudyOptions& o, const Common& common) {
+    require_folder(o.out);
+    auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, Words::usual_forms())),
+                                 selection::select_formats(o.formats));
+    std::erase_if(rows, [](const auto& row) { return !Words::takes(*row.form); });
+    if (rows.empty()) throw NothingSelected(Words::none_taken);
+    auto scenes = scenes_of_solids(o, rows, Words::name, common, Words::require);
+    const selection::ThreadLimit limit(common.threads);
+
+    std::vector<typename Words::View::Study> studies;
+    std::vector<std::string> jobs;
+    std::vector<std::filesystem::path> read;
+    std::uint64_t units = 0;
+    for (const scene::file::Scene& scene : scenes) {
+        const auto meets = [&](Shapes forms) { return scene.meets(forms); };
+        studies.push_back(Words::on(scene, selection::fitting(rows, meets), o.words, common.stop));
+        if constexpr (requires { Words::note(scene, o.words); })
+            if (!common.quiet) Words::note(scene, o.words);
+        jobs.push_back(fmt::format("{} {}", Words::name, scene.id));
+        std::ranges::move(MoreFiles<Words>::jobs(studies.back(), o.words), std::back_inserter(jobs));
+        read.push_back(scene.path);
+        units += units_of<Words>(studies.back(), o.words);
+    }
+    auto divided = divide(o.shard, o.out, read, common);
+    divided.division.expect(jobs);
+    SceneFolders folders(divided.division.is_shard() ? std::vector<scene::file::Scene>{} : scenes, divided.out.string(),
+                         common);
+    for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
+
+    output::file::Progress progress(units / divided.division.share().of, Words::name, common.progress, common.quiet);
+    const StudyRun run{o, common, divided.out, divided.division, progress};
+    const std::uint64_t unproved = folders.each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
+        return measure_scene<Words>(studies[k], run, complete);
+    });
+    finish(divided, common);
+    return end_with_unproved(unproved);
+}
+
+template <class Words>
+void add_study(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(Words::name, Words::title);
+    const auto o = std::make_shared<StudyOptions>();
+    if (const std::vector<std::string> all{"*"}; Words::usual_forms() == all) o->forms = all;
+    o->formats = {study::usual_format};
+    o->scenes.stop = common.stop;
+    o->scenes.all_ahead = true;
+    selection::add_scenes(command, *o, Words::kinds);
+    command.add_list("-i,--intersector", o->forms, Words::form_words);
+    selection::add_formats(command, o->formats, study::usual_format);
+    for (const study::StudyOption& option : Words::options()) {
+        auto& words = o->words[option.name] = option.usual;
+        command.add_list("--" + option.name, words, option.help,
+                         option.known.empty() ? shell::ValueRule{} : shell::one_of(option.known));
+    }
+    selection::add_changes(command, o->scenes, Words::example);
+    if constexpr (requires { Words::View::pixel_title; }) selection::add_pixels(command, *o);
+    selection::add_pictures(command, o->pictures);
+    MoreFiles<Words>::add_option(command, *o);
+    add_shard(command, o->shard);
+    selection::add_out(command, o->out);
+    command.runs([o, &common] { return run_command<Words>(*o, common); });
+}
+
+}  // namespace
+
+void add_consistency(const shell::Command& program, const Common& common) {
+    add_study<study::ConsistencyWords>(program, common);
+}
+void add_offsets(const shell::Command& program, const Common& common) {
+    add_study<study::OffsetWords>(program, common);
+}
+void add_render(const shell::Command& program, const Common& common) { add_study<study::RenderWords>(program, common); }
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,73 @@
+// Adds up and seals results, from the list of their fields. The same list writes them as bits of a shard.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <ranges>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+namespace lostbits::measure::study {
+
+/// Passes the fields of a struct on in the order of their declaration. A structured binding names all fields of a
+/// struct, so a field that is added there and forgotten here does not compile.
+#define LOSTBITS_FIELDS(Struct, ...)         \
+    template <class Bits>                    \
+    void fields(Bits& bits, Struct& whole) { \
+        auto& [__VA_ARGS__] = whole;         \
+        bits(__VA_ARGS__);                   \
+    }
+
+struct AnyVisitor {
+    template <class... T>
+    void operator()(T&...) const {}
+};
+template <class T>
+concept HasFields = requires(AnyVisitor visitor, T& whole) {
+    fields(visitor, whole);
+};
+
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// Adds a part of the work to `all`, which holds the parts before it. Counts and distributions add up; lists add up
+/// item by item; of an optional, which is the first of something, the first stays. Nothing is rounded, so the sum does
+/// not depend on where parts begin. Throws std::out_of_range for lists of different sizes.
+template <class T>
+void add_up(T& all, T&& part) {
+    if constexpr (std::unsigned_integral<T> && !std::same_as<T, bool>) {
+        all += part;
+    } else if constexpr (is_optional<T>) {
+        if (!all) all = std::move(part);
+    } else if constexpr (std::ranges::range<T>) {
+        if (all.size() != part.size()) throw std::out_of_range("two parts of a result have lists of different sizes");
+        for (std::size_t i = 0; i < all.size(); ++i) add_up(all[i], std::move(part[i]));
+    } else if constexpr (HasFields<T>) {
+        auto with_all = [&part](auto&... sums) {
+            auto with_part = [&](auto&... more) { (add_up(sums, std::move(more)), ...); };
+            fields(with_part, part);
+        };
+        fields(with_all, all);
+    } else {
+        all.add(part);
+    }
+}
+
+/// Seals every distribution in a result, which frees most of its memory; see `metric::Distribution::seal`.
+template <class T>
+void seal_all(T& result) {
+    if constexpr (requires { result.seal(); }) {
+        result.seal();
+    } else if constexpr (std::ranges::range<T>) {
+        for (auto& item : result) seal_all(item);
+    } else if constexpr (HasFields<T>) {
+        auto each = [](auto&... parts) { (seal_all(parts), ...); };
+        fields(each, result);
+    }
+}
+
+}  // namespace lostbits::measure::study

@@ -1,0 +1,100 @@
+// Files that take the bands of one row: strips of pictures, lines of a table of pixels, rows of an EXR.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "output/pixel/columns.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::pixel {
+
+/// Rows of a part of an EXR, as stored in the file.
+struct ExrRows {
+    std::uint64_t part = 0;
+    int y0 = 0, rows = 0;
+    std::vector<std::uint32_t> samples;
+};
+
+template <class Bits>
+void fields(Bits& bits, ExrRows& piece) {
+    auto& [part, y0, rows, samples] = piece;
+    bits(part, y0, rows, samples);
+}
+
+/// Everything that files take from a band of a row. A shard keeps it; otherwise it is written.
+struct Piece {
+    int y0 = 0;
+    std::vector<Strip> strips = {};  ///< of each picture that is drawn, in their order
+    std::vector<ExrRows> exr = {};
+    std::string lines = {};  ///< lines of the table of pixels
+
+    [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
+};
+
+template <class Bits>
+void fields(Bits& bits, Piece& piece) {
+    auto& [y0, strips, exr, lines] = piece;
+    bits(y0, strips, exr, lines);
+}
+
+/// Receives the pieces of each row instead of the files; then no file is opened.
+using KeepPiece = std::function<void(std::size_t row, Piece&& piece)>;
+
+/// Files that the rows of a scene share.
+template <class Band>
+struct BandFiles {
+    ColumnFiles<Band>& pictures;
+    std::function<void(const std::vector<ExrRows>&)> write_exr;  ///< empty: no EXR is written
+    const KeepPiece& keep;                                       ///< receives the pieces of a shard
+};
+
+/// `Pixel` is the record of a row of the table of pixels.
+template <class Band, class Pixel>
+class RowFiles {
+public:
+    struct Writers {
+        /// Turns a band into rows of the EXR; empty: there is none.
+        std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows;
+        /// Adds pixel i to the table; empty: there is no table.
+        std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel;
+        std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
+    };
+    RowFiles(std::size_t row, const BandFiles<Band>& files, Writers writers,
+             std::unique_ptr<table::TableFile<Pixel>> table)
+        : row_(row), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
+
+    void band(const Band& result) {
+        const std::size_t pixels = writers_.pixels(result);
+        Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
+        if (writers_.exr_rows)
+            piece.exr = writers_.exr_rows(
+                result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
+        for (std::size_t i = 0; table_ && i < pixels; ++i) writers_.add_pixel(*table_, result, i);
+        if (table_ && files_.keep) piece.lines = table_->take_lines();
+        if (files_.keep) files_.keep(row_, std::move(piece));
+        else put(piece);
+    }
+
+    void put(const Piece& piece) {
+        files_.pictures.put(row_, piece.y0, piece.strips);
+        if (files_.write_exr) files_.write_exr(piece.exr);
+        if (table_) table_->add_lines(piece.lines);
+    }
+
+    /// Table of the pixels; null if there is none.
+    [[nodiscard]] std::unique_ptr<table::TableFile<Pixel>>& table() { return table_; }
+
+private:
+    std::size_t row_;
+    BandFiles<Band> files_;
+    Writers writers_;
+    std::unique_ptr<table::TableFile<Pixel>> table_;
+};
+
+}  // namespace lostbits::output::pixel

@@ -1,0 +1,141 @@
+// Files of a study of one scene: the contact sheet and its pictures, one row per pixel, an EXR of each row, and
+// summary.csv. A view describes them. It is a struct with
+//
+//   Study, SummaryRow                     the study, and a row of its summary.csv
+//   summary_title, summary_table(), summary_rows(study, summaries)
+//   row_name(study, row)                  the stem of the files of a row
+//   pixels(band)                          the number of pixels of a band
+//   columns(study), sheet(study)          pictures of pixels, and the sheet that shows them
+//   notes(study, summaries)               the texts below the cells of the sheet
+//   pixel_title, pixel_table(study)       optional; `has_row(band, i)`: optional too, for pixels without a row
+//   layers(study), exr_spec(study, row, command)   optional: the EXR of a row
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "measure/study/study.hpp"
+#include "output/image/exr_book.hpp"
+#include "output/pixel/exr_layers.hpp"
+#include "output/pixel/row_files.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::study {
+
+/// A pixel of a band, for the table of pixels.
+template <class Band>
+struct PixelInBand {
+    const Band* band;
+    std::size_t i;
+};
+
+/// The columns x and y of a pixel.
+template <class Band>
+table::Table<PixelInBand<Band>> place_columns() {
+    using R = PixelInBand<Band>;
+    return {
+        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
+        {"y", "integer", "", "row of the pixel",
+         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
+}
+
+/// A text below a cell of the sheet.
+struct Note {
+    pixel::SheetPlace place;
+    std::string text;
+};
+
+/// Opens all files before the work starts. `finish` gives them their final names.
+template <class View>
+class StudyFiles {
+public:
+    using Study = typename View::Study;
+    using Band = typename Study::Band;
+
+    /// `study` must outlive it. If `keep` is not empty, it receives the pieces of a shard, and no file is opened.
+    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::KeepPiece keep = {})
+        : study_(study),
+          options_(std::move(options)),
+          keep_(std::move(keep)),
+          pictures_({.scene = study.scene,
+                     .sheets = {View::sheet(study, options_.sheet())},
+                     .singles = options_.folder_of_singles(),
+                     .stop = study.limit.stop,
+                     .opened = !keep_},
+                    View::columns(study)) {
+        if (!keep_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
+        for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
+    }
+    StudyFiles(const StudyFiles&) = delete;
+    StudyFiles& operator=(const StudyFiles&) = delete;
+
+    /// Takes the bands of the study.
+    [[nodiscard]] measure::study::ShowBand<Study> show() {
+        return [this](std::size_t row, const Band& band) { rows_[row].band(band); };
+    }
+    /// Writes the next piece of a row, which another run kept.
+    void put(std::size_t row, pixel::Piece&& piece) { rows_.at(row).put(piece); }
+
+    void finish(const std::vector<typename Study::Summary>& summaries) {
+        for (const auto& book : books_) book->close();
+        for (Note& note : View::notes(study_, summaries)) pictures_.writer().set_note(note.place, std::move(note.text));
+        pictures_.writer().finish();
+        if (options_.folder.empty()) return;
+        table_->add_all(View::summary_rows(study_, summaries));
+        table::close_tables(options_.folder, study_.scene.title, *table_, rows_, options_.also);
+    }
+
+private:
+    using Pixel = PixelInBand<Band>;
+    using Rows = pixel::RowFiles<Band, Pixel>;
+
+    void add_row(std::size_t r) {
+        typename Rows::Writers writers{.exr_rows = {}, .add_pixel = {}, .pixels = View::pixels};
+        pixel::BandFiles<Band> files{pictures_, {}, keep_};
+        std::unique_ptr<table::TableFile<Pixel>> table;
+        if constexpr (requires { View::pixel_table(study_); }) {
+            if (options_.pixels_csv)
+                table = std::make_unique<table::TableFile<Pixel>>(keep_ ? "" : options_.folder,
+                                                                  View::row_name(study_, r) + ".csv", View::pixel_title,
+                                                                  View::pixel_table(study_));
+            writers.add_pixel = [](table::TableFile<Pixel>& to, const Band& band, std::size_t i) {
+                if constexpr (requires { View::has_row(band, i); })
+                    if (!View::has_row(band, i)) return;
+                to.add({&band, i});
+            };
+        }
+        if constexpr (requires { View::layers(study_); }) {
+            if (!options_.folder.empty()) add_exr(r, writers, files);
+        }
+        rows_.emplace_back(r, files, std::move(writers), std::move(table));
+    }
+
+    void add_exr(std::size_t r, typename Rows::Writers& writers, pixel::BandFiles<Band>& files) {
+        const auto layers = std::make_shared<const pixel::ExrLayers<Band>>(View::layers(study_));
+        writers.exr_rows = [layers](const Band& band, std::span<const image::Rgb8>) {
+            return std::vector{pixel::ExrRows{0, band.y0, band.rows, layers->samples(band, View::pixels(band))}};
+        };
+        if (keep_) return;
+        books_.push_back(std::make_unique<image::ExrBook>(
+            options_.folder / (View::row_name(study_, r) + ".exr"),
+            std::vector{image::ExrPart{"", View::exr_spec(study_, r, layers->channels(), options_.command)}}));
+        files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrRows>& pieces) {
+            for (const pixel::ExrRows& piece : pieces)
+                book->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));
+        };
+    }
+
+    const Study& study_;
+    pixel::SceneFilesOptions options_;
+    pixel::KeepPiece keep_;
+    pixel::ColumnFiles<Band> pictures_;
+    std::optional<table::TableFile<typename View::SummaryRow>> table_;  ///< none in a shard
+    std::deque<Rows> rows_;
+    std::vector<std::unique_ptr<image::ExrBook>> books_;  ///< one for each row, if the study has an EXR
+};
+
+}  // namespace lostbits::output::study
