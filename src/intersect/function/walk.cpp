@@ -130,7 +130,7 @@ Value Walk::from_mask(Mask m, std::size_t size) {
 
 /// A number whose bits are known integers.
 std::optional<NodeId> Walk::from_bits(const Scalar& scalar, std::size_t size) {
-    if (scalar.kind != Scalar::Kind::whole || (size != 4 && size != 8) || (size == 8 && false)) return {};
+    if (scalar.kind != Scalar::Kind::whole || (size != 4 && size != 8)) return {};
     NodeId all = no_node;
     for (std::size_t k = scalar.cases.size(); k-- > 0;) {
         const Case& c = scalar.cases[k];
@@ -166,6 +166,7 @@ std::vector<Case> Walk::distinct(std::vector<Case> cases) {
         if (same == found.end()) found.push_back(c);
         else same->when = nodes_.either(same->when, c.when);
     }
+    if (found.empty()) found.push_back({yes, 0, 0});  // cannot be reached
     if (found.size() == 1) found[0].when = yes;
     if (found.size() > most_cases) fail("an integer that depends on numbers takes too many values");
     return found;
@@ -178,6 +179,7 @@ std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
     if (value.size() == 1 && value.begin()->first == 0 && first.kind == Scalar::Kind::whole) return first.cases;
     if (value.size() == 1 && first.kind == Scalar::Kind::undefined) return {{yes, 0, 0}};
     // Bytes beside each other, and numbers that are known.
+    if (type.size > 8) fail("integers of more than 64 bits are not followed");
     std::vector<Case> all{{yes, 0, 0}};
     for (const auto& [at, cell] : value) {
         std::vector<Case> bits;
@@ -322,16 +324,6 @@ Value Walk::join(Mask when, const Value& a, const Value& b) {
 }
 
 Value Walk::zero(const Type& type) {
-    Value all;
-    if (type.kind == Type::Kind::structure || type.kind == Type::Kind::sequence) {
-        const std::size_t count = type.kind == Type::Kind::structure ? type.parts.size() : type.count;
-        for (std::size_t k = 0; k < count; ++k) {
-            std::size_t at = 0;
-            const Type* const part = type.part(k, at);
-            put(all, at, part->size, zero(*part));
-        }
-        return all;
-    }
     if (type.kind == Type::Kind::number && type.bits >= nodes_.bits())
         return number(nodes_.constant(0, type.bits > nodes_.bits()));
     return whole({{yes, 0, 0}}, type.size);

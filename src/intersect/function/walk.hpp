@@ -144,7 +144,7 @@ private:
     std::map<int, std::pair<int, int>> variables_;  // of objects: the variable, and the depth of calls
     std::map<int, Value> global_memory_;            // of global constants
     int objects_ = 1;
-    int depth_ = 0;
+    int depth_ = 0, nesting_ = 0;
     std::size_t steps_ = 0;
 };
 

@@ -180,6 +180,14 @@ Value Walk::element_address(State& state, Cursor& at) {
 }
 
 Value Walk::constant(State& state, const Type& type, Cursor& at) {
+    struct Nesting {
+        int& depth;
+        explicit Nesting(int& d) : depth(d) { ++depth; }
+        ~Nesting() { --depth; }
+        Nesting(const Nesting&) = delete;
+        Nesting& operator=(const Nesting&) = delete;
+    } const nesting(nesting_);
+    if (nesting_ > 100) at.fail("a constant is nested too deeply");
     const char c = at.peek();
     if (c == '@') {
         at.expect("@");
@@ -248,6 +256,7 @@ Value Walk::constant(State& state, const Type& type, Cursor& at) {
 }
 
 Value Walk::value(State& state, const Type& type, Cursor& at) {
+    if (at.rest().size() > 2'000'000) at.fail("a line is too long");
     module_.skip_attributes(at);
     if (at.take("%")) {
         const std::string name = at.name();
@@ -695,6 +704,7 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
     Value all;
     for (std::size_t k = 0; k < to->count; ++k) {
         std::size_t source = 0, target = 0;
+        if (from->part(k, source) == nullptr) at.fail("a conversion is unknown");
         const Type& a = *from->part(k, source);
         const Type& b = *to->part(k, target);
         const std::size_t where = a.bits == 1 ? k : source;
@@ -757,6 +767,7 @@ Value Walk::shuffled(State& state, std::string_view op, Cursor& at) {
         return a;
     }
     const Value mask = value(state, *third_type, at);
+    if (!type->is_vector || !third_type->is_vector) at.fail("a vector is missing");
     Value all;
     for (std::size_t k = 0; k < third_type->count; ++k) {
         const Value index = part_of(mask, 4 * k, 4);
@@ -782,32 +793,32 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         if (is_llvm) return base == word || (base.starts_with(word) && base[word.size()] == '.');
         return base == word || (base.size() == word.size() + 1 && base.starts_with(word) && base.back() == 'f');
     };
-    const auto lanes = [&](const auto& act) {
+    const auto lanes = [&](std::size_t count, const auto& act) {
         return each_lane(type, [&](const Type& lane, std::size_t from) {
             std::vector<NodeId> x;
-            for (std::size_t k = 0; k < arguments.size(); ++k)
-                if (types[k]->kind == Type::Kind::number || types[k]->is_vector)
-                    x.push_back(number_of(part_of(arguments[k], from, lane.size), lane));
+            for (std::size_t k = 0; k < count && k < arguments.size(); ++k)
+                x.push_back(number_of(part_of(arguments[k], from, lane.size), lane));
+            if (x.size() < count) fail("it calls " + shown(name) + " with too few arguments");
             return number(act(x));
         });
     };
     const bool of_numbers =
         type.kind == Type::Kind::number || (type.is_vector && type.parts[0]->kind == Type::Kind::number);
     if (of_numbers && arguments.size() >= 1) {
-        if (is("sqrt")) return lanes([&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
-        if (is("fabs")) return lanes([&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
+        if (is("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
+        if (is("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
         if (arguments.size() >= 2) {
             if (is("copysign"))
-                return lanes([&](const auto& x) { return nodes_.number(TapeOp::copysign, x[0], x[1]); });
+                return lanes(2, [&](const auto& x) { return nodes_.number(TapeOp::copysign, x[0], x[1]); });
             if (is("minnum") || is("fmin") || is("minimumnum"))
-                return lanes([&](const auto& x) { return nodes_.least(TapeOp::min, x[0], x[1]); });
+                return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::min, x[0], x[1]); });
             if (is("maxnum") || is("fmax") || is("maximumnum"))
-                return lanes([&](const auto& x) { return nodes_.least(TapeOp::max, x[0], x[1]); });
+                return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::max, x[0], x[1]); });
         }
         if (arguments.size() >= 3) {
-            if (is("fma")) return lanes([&](const auto& x) { return nodes_.number(TapeOp::fma, x[0], x[1], x[2]); });
+            if (is("fma")) return lanes(3, [&](const auto& x) { return nodes_.number(TapeOp::fma, x[0], x[1], x[2]); });
             if (is("fmuladd"))
-                return lanes([&](const auto& x) {
+                return lanes(3, [&](const auto& x) {
                     return nodes_.number(TapeOp::add, nodes_.number(TapeOp::mul, x[0], x[1]), x[2]);
                 });
         }
@@ -831,9 +842,9 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         const std::size_t n = count_of(2);
         const std::vector<Case> byte = cases_of(arguments[1], *types[1]);
         Value all;
-        for (std::size_t k = 0; k < n; ++k) put(all, k, 1, whole(byte, 1));
-        if (byte.size() == 1 && byte[0].value == 0)
-            for (std::size_t k = 0; k + 4 <= n; k += 4) put(all, k, 4, whole({{yes, 0, 0}}, 4));
+        if (byte.size() == 1 && byte[0].value == 0) all = whole(byte, n);
+        else
+            for (std::size_t k = 0; k < n; ++k) put(all, k, 1, whole(byte, 1));
         if (n > 0) store(state, arguments[0], n, all);
         return arguments[0];
     }
@@ -982,7 +993,7 @@ void Walk::name_value(State& state, int variable, const Value& value, std::size_
     const std::string_view text = module_.metadata(variable);
     if (!field(text, "arg").empty() || field(text, "flags") == "DIFlagArtificial") return;
     const std::string name = field(text, "name");
-    if (name.empty()) return;
+    if (name.empty() || name.starts_with("lb_")) return;  // of the wrapper
     std::string prefix;
     if (depth > 2) {
         int scope = reference(field(text, "scope"));

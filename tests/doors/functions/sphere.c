@@ -1,4 +1,4 @@
-/* A sphere with early returns and t in an out parameter. `real` is set by the compiler's -D in tests of double. */
+/* A sphere with early returns and t in an out parameter. */
 #include <math.h>
 #include <stdbool.h>
 
@@ -29,7 +29,7 @@ bool hit_sphere(vec3 o, vec3 d, vec3 c, float r, float* t) {
 /* The same operations as sphere.schoolbook of the catalogue, and -1 for a miss. */
 float schoolbook(const float o[3], const float d[3], const float centre[3], float radius) {
     float v[3] = {o[0] - centre[0], o[1] - centre[1], o[2] - centre[2]};
-    float a = d[0] * d[0] + (d[1] * d[1] + d[2] * d[2]);
+    float a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     float b = 2 * (v[0] * d[0] + v[1] * d[1] + v[2] * d[2]);
     float c = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] - radius * radius;
     float disc = b * b - 4 * a * c;
