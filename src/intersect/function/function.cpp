@@ -76,12 +76,12 @@ Named split(const std::string& named) {
     return {};
 }
 
-Language language_of(const fs::path& file, const std::string& named) {
+SourceLanguage language_of(const fs::path& file, const std::string& named) {
     const std::string ending = file.extension().string();
-    if (ending == ".c") return Language::c;
+    if (ending == ".c") return SourceLanguage::c;
     for (const char* const cpp : {".cpp", ".cc", ".cxx", ".C", ".hpp", ".h", ".cppm", ".hh"})
-        if (ending == cpp) return Language::cpp;
-    if (ending == ".rs") return Language::rust;
+        if (ending == cpp) return SourceLanguage::cpp;
+    if (ending == ".rs") return SourceLanguage::rust;
     throw InputError("--function " + named +
                      ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp) or Rust (.rs)");
 }
@@ -97,24 +97,25 @@ bool is_in_path(const std::string& program) {
 /// Compiles the user's file in a folder of its own.
 class Compiler {
 public:
-    Compiler(const fs::path& file, Language language, const CompileTerms& terms)
+    Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms)
         : file_(fs::absolute(file).lexically_normal()),
           language_(language),
           terms_(terms),
           folder_("lostbits-function") {
-        program_ = language == Language::c ? "clang" : language == Language::cpp ? "clang++" : "rustc";
+        program_ = language == SourceLanguage::c ? "clang" : language == SourceLanguage::cpp ? "clang++" : "rustc";
         if (!is_in_path(program_))
-            throw EnvironmentError(
-                file.string() + ": " + program_ + " is not in PATH, and reads such files; install it (" +
-                (language == Language::rust ? "rustup, or the Debian package rustc" : "the Debian package clang") +
-                ")");
+            throw EnvironmentError(file.string() + ": " + program_ +
+                                   " is not in PATH, and reads such files; install it (" +
+                                   (language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
+                                                                     : "the Debian package clang") +
+                                   ")");
     }
 
     /// The LLVM IR of a file that ends in `text`.
     std::string ir(const std::string& text, bool optimised) {
         const fs::path source = write(text), made = folder_.path / "function.ll";
         process::ProgramWords words{program_};
-        if (language_ == Language::rust) {
+        if (language_ == SourceLanguage::rust) {
             add_rust(words);
             words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
                                        "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
@@ -129,14 +130,14 @@ public:
     doors::Library library(const std::string& text) {
         const fs::path source = write(text), made = folder_.path / "function.so";
         process::ProgramWords words{program_};
-        if (language_ == Language::rust) {
+        if (language_ == SourceLanguage::rust) {
             add_rust(words);
             words.insert(words.end(), {"--crate-type=cdylib", "-Copt-level=3"});
         } else {
             add_c(words);
             words.insert(words.end(), {"-O2", "-shared", "-fPIC"});
         }
-        run(words, source, made, language_ == Language::rust ? "" : "-lm");
+        run(words, source, made, language_ == SourceLanguage::rust ? "" : "-lm");
         return doors::load_library(made);
     }
 
@@ -145,16 +146,16 @@ public:
 
 private:
     fs::path write(const std::string& text) {
-        fs::path source = folder_.path / (language_ == Language::rust ? file_.filename().string()
-                                          : language_ == Language::c  ? "lostbits_entry.c"
-                                                                      : "lostbits_entry.cpp");
+        fs::path source = folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string()
+                                          : language_ == SourceLanguage::c  ? "lostbits_entry.c"
+                                                                            : "lostbits_entry.cpp");
         write_text(source, text);
         return source;
     }
     void add_c(process::ProgramWords& words) const {
         words.insert(words.end(), {"-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing",
                                    "-w", "-I" + file_.parent_path().string()});
-        if (language_ == Language::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
+        if (language_ == SourceLanguage::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
     }
     void add_rust(process::ProgramWords& words) const {
         words.insert(
@@ -179,19 +180,19 @@ private:
     }
 
     fs::path file_;
-    Language language_;
+    SourceLanguage language_;
     CompileTerms terms_;
     std::string program_;
     device::TemporaryFolder folder_;
 };
 
 /// A file that makes the compiler keep the function, so that its types can be read.
-std::string probe_of(Language language, const fs::path& file, const std::string& name) {
-    if (language == Language::rust)
+std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
+    if (language == SourceLanguage::rust)
         return text_of(file) + "\n#[no_mangle] pub fn lostbits_keep() -> usize { " + name +
                " as *const () as usize }\n";
     const std::string include = "#include \"" + file.string() + "\"\n";
-    if (language == Language::c) return include + "void* lostbits_keep(void) { return (void*)" + name + "; }\n";
+    if (language == SourceLanguage::c) return include + "void* lostbits_keep(void) { return (void*)" + name + "; }\n";
     return include + "auto lostbits_keep = &" + name + ";\n";
 }
 
@@ -210,51 +211,51 @@ Stated stated_in(const std::string& source, const std::string& path) {
     return found;
 }
 
-bool says_miss(const Sentinel& s, double t) {
+bool says_miss(const MissValue& s, double t) {
     switch (s.kind) {
-        case Sentinel::Kind::negative: return t < 0;
-        case Sentinel::Kind::infinite: return std::isinf(t);
-        case Sentinel::Kind::nan: return std::isnan(t);
-        case Sentinel::Kind::zero: return t <= 0;
-        case Sentinel::Kind::above: return t >= s.bound;
+        case MissValue::Kind::negative: return t < 0;
+        case MissValue::Kind::infinite: return std::isinf(t);
+        case MissValue::Kind::nan: return std::isnan(t);
+        case MissValue::Kind::zero: return t <= 0;
+        case MissValue::Kind::above: return t >= s.bound;
         default: return false;
     }
 }
 
-Mask miss_mask(const Sentinel& s, Nodes& nodes, NodeId t) {
+Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
     const auto against = [&](TapeOp op, double x) { return nodes.compare(op, t, nodes.constant(x, false)); };
     constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (s.kind) {
-        case Sentinel::Kind::negative: return against(TapeOp::less, 0);
-        case Sentinel::Kind::infinite:
+        case MissValue::Kind::negative: return against(TapeOp::less, 0);
+        case MissValue::Kind::infinite:
             return nodes.either(against(TapeOp::greater_equal, infinity), against(TapeOp::less_equal, -infinity));
-        case Sentinel::Kind::nan: return nodes.is_nan(t);
-        case Sentinel::Kind::zero: return against(TapeOp::less_equal, 0);
-        case Sentinel::Kind::above: return against(TapeOp::greater_equal, s.bound);
+        case MissValue::Kind::nan: return nodes.is_nan(t);
+        case MissValue::Kind::zero: return against(TapeOp::less_equal, 0);
+        case MissValue::Kind::above: return against(TapeOp::greater_equal, s.bound);
         default: return no;
     }
 }
 
 /// The value that the function returns for a miss, by the constants that its t may be.
-Sentinel guessed_sentinel(const Nodes& nodes, NodeId t) {
+MissValue guessed_sentinel(const Nodes& nodes, NodeId t) {
     bool others = false;
     const std::vector<double> constants = nodes.constants_of(t, others);
     const auto any = [&](const auto& is) { return std::ranges::any_of(constants, is); };
-    if (any([](double x) { return std::isnan(x); })) return {Sentinel::Kind::nan, 0};
-    if (any([](double x) { return std::isinf(x) && x > 0; })) return {Sentinel::Kind::infinite, 0};
+    if (any([](double x) { return std::isnan(x); })) return {MissValue::Kind::nan, 0};
+    if (any([](double x) { return std::isinf(x) && x > 0; })) return {MissValue::Kind::infinite, 0};
     for (const double x : constants)
-        if (x >= 1e5) return {Sentinel::Kind::above, x};
-    if (!any([](double x) { return x < 0; }) && any([](double x) { return x == 0; })) return {Sentinel::Kind::zero, 0};
-    return {Sentinel::Kind::negative, 0};
+        if (x >= 1e5) return {MissValue::Kind::above, x};
+    if (!any([](double x) { return x < 0; }) && any([](double x) { return x == 0; })) return {MissValue::Kind::zero, 0};
+    return {MissValue::Kind::negative, 0};
 }
 
-std::string sentinel_words(const Sentinel& s) {
+std::string sentinel_words(const MissValue& s) {
     switch (s.kind) {
-        case Sentinel::Kind::negative: return "hit where t is not negative";
-        case Sentinel::Kind::infinite: return "hit where t is not infinite";
-        case Sentinel::Kind::nan: return "hit where t is a number";
-        case Sentinel::Kind::zero: return "hit where t is not 0";
-        case Sentinel::Kind::above: {
+        case MissValue::Kind::negative: return "hit where t is not negative";
+        case MissValue::Kind::infinite: return "hit where t is not infinite";
+        case MissValue::Kind::nan: return "hit where t is a number";
+        case MissValue::Kind::zero: return "hit where t is not 0";
+        case MissValue::Kind::above: {
             std::ostringstream text;
             text << "hit where t < " << s.bound;
             return text.str();
@@ -265,7 +266,7 @@ std::string sentinel_words(const Sentinel& s) {
 
 /// The compiled function.
 template <class S>
-void answer_batch(void (*entry)(const S*, S*, int*), const Sentinel& sentinel, std::size_t numbers,
+void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t numbers,
                   const lb_batch& batch) {
     const auto* const rays = static_cast<const S*>(batch.rays);
     const auto* const solids = static_cast<const S*>(batch.solids);
@@ -371,11 +372,6 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& writte
     }
 }
 
-std::deque<std::unique_ptr<UserFunction>>& all_functions() {
-    static std::deque<std::unique_ptr<UserFunction>> all;
-    return all;
-}
-
 std::string plain_name(const std::string& function) {
     std::string name;
     for (const char c : function) {
@@ -391,7 +387,7 @@ std::string plain_name(const std::string& function) {
 
 std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms) {
     const Named parts = split(named);
-    const Language language = language_of(parts.file, named);
+    const SourceLanguage language = language_of(parts.file, named);
     auto made = std::make_unique<UserFunction>();
     made->path = parts.file.string();
     made->source = text_of(parts.file);
@@ -400,20 +396,20 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const std::string who = made->path + ":" + parts.function;
 
     Compiler compiler(parts.file, language, terms);
-    Signature signature = [&] {
+    UserSignature signature = [&] {
         const Module probe(compiler.ir(probe_of(language, compiler.file(), parts.function), false));
         return signature_of(probe, made->path, parts.function, language);
     }();
     guess(signature, stated, who);
     const std::string wrapper =
-        wrapper_of(signature, language == Language::rust ? made->source : compiler.file().string());
+        wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());
     Module module(compiler.ir(wrapper, true));
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, compiler.file().parent_path().string());
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
     if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");
-    if (signature.sentinel.kind == Sentinel::Kind::unknown) signature.sentinel = guessed_sentinel(nodes, answer.t);
+    if (signature.sentinel.kind == MissValue::Kind::unknown) signature.sentinel = guessed_sentinel(nodes, answer.t);
     if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
         made->shown = who + ": " + signature.shown + "; " + words;
     else made->shown = who + ": " + signature.shown;
@@ -433,7 +429,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     written.formula.shape = contract.shape;
     doors::require_sense(written.formula);
     made->places = walk.places();
-    for (Place& p : made->places)
+    for (SourcePlace& p : made->places)
         if (const fs::path relative = fs::path(p.file).lexically_normal(); relative == compiler.file())
             p.file = made->path;
     for (const int place : written.places) {
@@ -474,100 +470,6 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
         made->row.native32 = alone.native32;
     }
     return made;
-}
-
-void enroll(std::unique_ptr<UserFunction> function) {
-    all_functions().push_back(std::move(function));
-    table::enroll({all_functions().back()->row});
-}
-
-namespace {
-
-/// An enrolled function, and the place of an operation; null for others.
-const UserFunction* behind(const Info& form, const Format& format, NodeId node, int& place) {
-    for (const auto& f : all_functions()) {
-        if (&f->answers->info != &form) continue;
-        const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
-        const auto found = std::ranges::find(nodes, node);
-        if (found == nodes.end()) return nullptr;
-        place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
-        return place < 0 ? nullptr : f.get();
-    }
-    return nullptr;
-}
-
-std::string words_of(const Place& p) { return p.file + ":" + std::to_string(p.line) + ":" + std::to_string(p.column); }
-
-bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
-
-/// First and last character of the expression around the operator at `at`, as far as the line shows it.
-std::pair<std::size_t, std::size_t> extent(const std::string& line, std::size_t at) {
-    if (at >= line.size()) return {at, at};
-    const auto strength = [](char c) { return c == '*' || c == '/' ? 2 : c == '+' || c == '-' ? 1 : 0; };
-    const int own = strength(line[at]);
-    std::size_t begin = at, end = at;
-    if (own == 0) {  // a name: the call or the operand that begins here
-        while (end + 1 < line.size() && is_word(line[end + 1])) ++end;
-        if (end + 1 >= line.size() || line[end + 1] != '(') return {begin, end};
-    } else {
-        int depth = 0;
-        for (std::size_t k = at; k-- > 0;) {
-            const char c = line[k];
-            if (c == ')' || c == ']') ++depth;
-            if (c == '(' || c == '[') --depth;
-            if (depth < 0 || (depth == 0 && (std::string_view(",;={}<>!&|?:").find(c) != std::string_view::npos ||
-                                             (strength(c) > 0 && strength(c) < own))))
-                break;
-            if (depth == 0 && k >= 5 && line.compare(k - 5, 6, "return") == 0) break;
-            if (c != ' ' && c != '\t') begin = k;
-        }
-    }
-    int depth = 0;
-    for (std::size_t k = end + 1; k < line.size(); ++k) {
-        const char c = line[k];
-        if (c == '(' || c == '[') ++depth;
-        if (c == ')' || c == ']') --depth;
-        const bool unary = c == '-' && line.find_last_not_of(' ', k - 1) == at;
-        if (depth < 0 || (depth == 0 && !unary &&
-                          (std::string_view(",;{}<>=!&|?:").find(c) != std::string_view::npos ||
-                           (strength(c) > 0 && (strength(c) <= own || own == 0)))))
-            break;
-        if (c != ' ' && c != '\t') end = k;
-        if (own == 0 && depth == 0) break;
-    }
-    return {begin, end};
-}
-
-}  // namespace
-
-std::string place_words(const Info& form, const Format& format, NodeId node) {
-    int place = -1;
-    const UserFunction* const f = behind(form, format, node, place);
-    return f == nullptr ? "" : words_of(f->places[static_cast<std::size_t>(place)]);
-}
-
-std::string quoted_line(const Info& form, const Format& format, NodeId node) {
-    int place = -1;
-    const UserFunction* const f = behind(form, format, node, place);
-    if (f == nullptr) return "";
-    const Place& p = f->places[static_cast<std::size_t>(place)];
-    std::string text = words_of(p);
-    for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
-        const Place& c = f->places[static_cast<std::size_t>(caller)];
-        if (c.line == 0 || c.file != p.file) continue;
-        text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
-    }
-    text += "\n";
-    std::istringstream lines(p.file == f->path ? f->source : "");
-    std::string line;
-    for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
-    if (line.empty() || p.column < 1 || static_cast<std::size_t>(p.column) > line.size()) return text;
-    const auto at = static_cast<std::size_t>(p.column - 1);
-    const auto [begin, end] = extent(line, at);
-    std::string marks;
-    for (std::size_t k = 0; k <= end; ++k) marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
-    const std::string number = std::to_string(p.line);
-    return text + " " + number + " | " + line + "\n " + std::string(number.size(), ' ') + " | " + marks + "\n";
 }
 
 }  // namespace lostbits::intersect::function

@@ -26,7 +26,7 @@ struct UserFunction {
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<doors::ForeignRow> answers;
     std::unique_ptr<doors::WrittenForm> written;
-    std::vector<Place> places;
+    std::vector<SourcePlace> places;
     std::vector<int> place_of_operation;  ///< index of the place of each operation; -1: none
     table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
 };

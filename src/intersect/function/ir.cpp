@@ -265,7 +265,7 @@ const Type* Module::skip_attributes(Cursor& at) {
     }
 }
 
-const Function* Module::function(const std::string& name) const {
+const IrFunction* Module::function(const std::string& name) const {
     const auto found = functions.find(name);
     return found == functions.end() ? nullptr : &found->second;
 }
@@ -296,7 +296,7 @@ void Module::read_global(Cursor& at) {
 }
 
 /// `define ATTRIBUTES TYPE @name(PARAMETERS) ATTRIBUTES !dbg !4 {`
-Function* Module::read_header(Cursor& at) {
+IrFunction* Module::read_header(Cursor& at) {
     for (;;) {
         Cursor ahead = at;
         if (ahead.at_end()) at.fail("a function has no name");
@@ -306,13 +306,13 @@ Function* Module::read_header(Cursor& at) {
         at = ahead;
     }
     at.expect("@");
-    Function made;
+    IrFunction made;
     made.name = at.name();
     Cursor inside(at.group());
     int unnamed = 0;
     while (!inside.at_end()) {
         if (inside.take("...")) break;
-        Parameter p{.name = {}, .type = type(inside)};
+        IrParameter p{.name = {}, .type = type(inside)};
         p.by_value = skip_attributes(inside);
         if (inside.take("%")) p.name = inside.name();
         else p.name = std::to_string(unnamed);
@@ -333,7 +333,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
     const std::string_view all = text_;
     if (all.find('\0') != std::string_view::npos)
         throw InputError("the LLVM IR is not a text; write .bc after the name of a file of bitcode");
-    Function* inside = nullptr;
+    IrFunction* inside = nullptr;
     std::vector<std::string_view> headers;
     // Named types come first: functions may use those that stand below.
     const auto each_line = [&](const auto& act) {

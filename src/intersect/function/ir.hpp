@@ -27,7 +27,7 @@ struct Type {
 };
 
 /// A place of the source, and the call that led there.
-struct Place {
+struct SourcePlace {
     std::string file;
     int line = 0, column = 0;
     int caller = -1;  ///< index of the place of the call; none in the function itself
@@ -38,15 +38,15 @@ struct Block {
     std::vector<std::string_view> lines;  ///< one instruction each
 };
 
-struct Parameter {
+struct IrParameter {
     std::string name;
     const Type* type;
     const Type* by_value = nullptr;  ///< the structure that the caller passes by a pointer to a copy
 };
 
-struct Function {
+struct IrFunction {
     std::string name;
-    std::vector<Parameter> parameters;
+    std::vector<IrParameter> parameters;
     std::vector<Block> blocks;
     int subprogram = -1;  ///< its debug information
 };
@@ -95,11 +95,11 @@ public:
     const Type* integer_type(int bits);
     const Type* pointer_type() const { return pointer_; }
 
-    [[nodiscard]] const Function* function(const std::string& name) const;
+    [[nodiscard]] const IrFunction* function(const std::string& name) const;
     /// Text of the metadata of this number; empty if there is none.
     [[nodiscard]] std::string_view metadata(int number) const;
 
-    std::map<std::string, Function> functions;
+    std::map<std::string, IrFunction> functions;
     std::map<std::string, Global> globals;
 
 private:
@@ -110,7 +110,7 @@ private:
     const Type* named(const std::string& name);
     void read_line(std::string_view line);
     void read_global(Cursor& at);
-    Function* read_header(Cursor& at);
+    IrFunction* read_header(Cursor& at);
 
     std::string text_;
     std::deque<Type> types_;

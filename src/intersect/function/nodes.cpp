@@ -23,7 +23,7 @@ bool compared(TapeOp op, double a, double b) {
 
 }  // namespace
 
-NodeId Nodes::add(Node node) {
+NodeId Nodes::add(ProgramNode node) {
     if (all_.size() >= most_nodes)
         throw NotFollowed("the function has more than " + std::to_string(most_nodes) + " operations on one ray");
     if (node.place < 0) node.place = place;
@@ -49,7 +49,7 @@ bool Nodes::fits(double x) const {
 }
 
 std::optional<NodeId> Nodes::narrowed(NodeId x) {
-    const Node& n = (*this)[x];
+    const ProgramNode& n = (*this)[x];
     if (!n.wide) return {};
     if (n.op == TapeOp::convert) return n.operands[0];
     if (n.op == TapeOp::constant && fits(n.value)) return constant(n.value, false);
@@ -69,7 +69,7 @@ NodeId Nodes::widen(NodeId x) {
 /// double rounding innocuous?, 1995).
 NodeId Nodes::narrow(NodeId x) {
     if (const auto exact = narrowed(x)) return *exact;
-    const Node n = (*this)[x];
+    const ProgramNode n = (*this)[x];
     if (n.op == TapeOp::constant) return constant(static_cast<double>(static_cast<float>(n.value)), false);
     const bool rounds_once = n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::mul || n.op == TapeOp::div ||
                              n.op == TapeOp::sqrt;
@@ -126,7 +126,7 @@ NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     if ((*this)[when].op == TapeOp::opposite) return select((*this)[when].operands[0], b, a);
     // A choice inside of a choice by the same decision is made already.
     const auto made = [&](NodeId side, std::size_t k) {
-        const Node& n = (*this)[side];
+        const ProgramNode& n = (*this)[side];
         return n.op == TapeOp::select && n.operands[0] == when ? n.operands[k] : side;
     };
     a = made(a, 1), b = made(b, 2);
@@ -148,7 +148,7 @@ Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
     // Asks each constant that a choice may give by itself: t < 0 where t is -1 for a miss.
     const auto resolve = [&](NodeId x, NodeId y, bool turned) -> std::optional<Mask> {
         bool others = false;
-        const Node chosen = (*this)[x];
+        const ProgramNode chosen = (*this)[x];
         if (chosen.op != TapeOp::select || (*this)[y].op != TapeOp::constant) return {};
         if (constants_of(x, others).empty()) return {};
         const auto side = [&](NodeId s) { return turned ? compare(op, y, s) : compare(op, s, y); };
@@ -159,7 +159,7 @@ Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
     if (const auto before = known_.find(key); before != known_.end()) return before->second;
     if (const auto found = resolve(a, b, false)) return known_[key] = *found;
     if (const auto found = resolve(b, a, true)) return known_[key] = *found;
-    const Node x = (*this)[a], y = (*this)[b];
+    const ProgramNode x = (*this)[a], y = (*this)[b];
     if (x.op == TapeOp::constant && y.op == TapeOp::constant) return compared(op, x.value, y.value) ? yes : no;
     if ((x.op == TapeOp::constant && std::isnan(x.value)) || (y.op == TapeOp::constant && std::isnan(y.value)))
         return no;
@@ -209,7 +209,7 @@ Mask Nodes::either(Mask a, Mask b) {
     if (opposite(a) == b) return yes;
     // a or (not a and c) is a or c.
     const auto without = [&](Mask x, Mask y) {
-        const Node n = (*this)[y];
+        const ProgramNode n = (*this)[y];
         if (n.op != TapeOp::both) return y;
         if (n.operands[0] == opposite(x)) return n.operands[1];
         if (n.operands[1] == opposite(x)) return n.operands[0];
@@ -230,7 +230,7 @@ Mask Nodes::choose(Mask when, Mask a, Mask b) {
 }
 
 void Nodes::name(NodeId i, const std::string& label, int depth) {
-    Node& n = all_[static_cast<std::size_t>(i)];
+    ProgramNode& n = all_[static_cast<std::size_t>(i)];
     if (!is_operation(n.op) || n.op == TapeOp::convert) return;
     if (!n.label.empty() && depth >= n.label_depth) return;
     n.label = label;
@@ -245,7 +245,7 @@ std::vector<double> Nodes::constants_of(NodeId x, bool& others) const {
         todo.pop_back();
         if (std::ranges::find(seen, i) != seen.end()) continue;
         seen.push_back(i);
-        const Node& n = (*this)[i];
+        const ProgramNode& n = (*this)[i];
         if (n.op == TapeOp::select) todo.push_back(n.operands[1]), todo.push_back(n.operands[2]);
         else if (n.op == TapeOp::convert) todo.push_back(n.operands[0]);
         else if (n.op == TapeOp::constant) found.push_back(n.value);
@@ -277,7 +277,7 @@ Nodes::Written Nodes::written(Mask hit, NodeId t, NodeId near, NodeId far) const
     };
     for (std::size_t i = 0; i < all_.size(); ++i) {
         if (!live[i]) continue;
-        const Node& n = all_[i];
+        const ProgramNode& n = all_[i];
         if (n.op == TapeOp::constant && std::isnan(n.value)) {  // 0/0
             const NodeId zero = put({.op = TapeOp::constant, .wide = n.wide}, n.place);
             moved[i] = put({.op = TapeOp::div, .operands = {zero, zero, no_node}, .wide = n.wide}, n.place);

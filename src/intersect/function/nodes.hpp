@@ -22,7 +22,7 @@ struct NotFollowed : std::runtime_error {
 using Mask = NodeId;
 inline constexpr Mask yes = -2, no = -3;
 
-struct Node {
+struct ProgramNode {
     TapeOp op = TapeOp::constant;
     bool wide = false;  ///< computed in double by a function of float
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
@@ -39,7 +39,7 @@ public:
 
     int place = -1;  ///< of the operations that follow
 
-    [[nodiscard]] const Node& operator[](NodeId i) const { return all_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return all_[static_cast<std::size_t>(i)]; }
     [[nodiscard]] std::size_t size() const { return all_.size(); }
     [[nodiscard]] int bits() const { return bits_; }
 
@@ -74,7 +74,7 @@ public:
     [[nodiscard]] Written written(Mask hit, NodeId t, NodeId near, NodeId far) const;
 
 private:
-    NodeId add(Node node);
+    NodeId add(ProgramNode node);
     Mask logic(TapeOp op, Mask a, Mask b = no_node);
     /// The number in the function's own format that the double `x` is a conversion of; none if there is none.
     std::optional<NodeId> narrowed(NodeId x);
@@ -82,7 +82,7 @@ private:
     NodeId needed(Mask decision, Nodes& more) const;
 
     int bits_;
-    std::vector<Node> all_;
+    std::vector<ProgramNode> all_;
     std::map<std::tuple<TapeOp, NodeId, NodeId, std::uint64_t, bool>, NodeId> known_;
 };
 

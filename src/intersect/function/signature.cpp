@@ -8,6 +8,7 @@
 #include <span>
 
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/function/common_names.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
 
@@ -16,108 +17,6 @@ namespace {
 
 using Kind = SourceType::Kind;
 using Words = std::span<const std::string_view>;
-
-std::size_t number_in(const std::string& digits) {
-    std::size_t n = 0;
-    std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    return n;
-}
-
-/// Name with the namespaces and classes around it.
-std::string qualified(const Module& module, std::string_view text, Language language) {
-    std::string name = field(text, "name");
-    int scope = reference(field(text, "scope"));
-    for (int guard = 0; language == Language::cpp && scope >= 0 && guard < 20; ++guard) {
-        const std::string_view around = module.metadata(scope);
-        const bool named = around.find("DINamespace") != std::string_view::npos ||
-                           around.find("DICompositeType") != std::string_view::npos;
-        const std::string outer = field(around, "name");
-        if (!named) break;
-        if (!outer.empty()) name.insert(0, outer + "::");
-        scope = reference(field(around, "scope"));
-    }
-    return name;
-}
-
-SourceType type_of(const Module& module, int number, Language language, int depth = 0) {
-    if (number < 0) return {.kind = Kind::nothing, .name = "void"};
-    const std::string_view text = module.metadata(number);
-    const std::string tag = field(text, "tag");
-    SourceType made{.name = qualified(module, text, language), .size = number_in(field(text, "size")) / 8};
-    const auto inner = [&](const char* key = "baseType") {
-        return type_of(module, reference(field(text, key)), language, depth + 1);
-    };
-    if (depth > 12) return made;
-    if (text.find("DIBasicType") != std::string_view::npos) {
-        const std::string encoding = field(text, "encoding");
-        const bool is_number = encoding == "DW_ATE_float" && (made.size == 4 || made.size == 8);
-        made.kind = is_number ? Kind::number : encoding == "DW_ATE_float" ? Kind::other : Kind::whole;
-        if (made.name == "()") made.kind = Kind::nothing;
-    } else if (tag == "DW_TAG_typedef" || tag == "DW_TAG_const_type" || tag == "DW_TAG_volatile_type" ||
-               tag == "DW_TAG_restrict_type") {
-        const std::string name = made.name;
-        made = inner();
-        if (tag == "DW_TAG_typedef") made.name = name;
-        made.is_const = made.is_const || tag == "DW_TAG_const_type";
-    } else if (tag == "DW_TAG_pointer_type" || tag == "DW_TAG_reference_type") {
-        const bool is_reference = tag == "DW_TAG_reference_type";
-        made.kind = Kind::pointer;
-        made.parts = {inner()};
-        if (language == Language::rust)
-            made.is_const = !made.name.starts_with("&mut") && !made.name.starts_with("*mut");
-        else made.is_const = made.parts[0].is_const, made.name = is_reference ? "&" : "*";
-        made.size = 8;
-    } else if (tag == "DW_TAG_array_type") {
-        made.kind = Kind::sequence, made.parts = {inner()}, made.count = 1;
-        std::vector<std::size_t> counts;
-        for (const int range : references(module.metadata(reference(field(text, "elements")))))
-            counts.push_back(number_in(field(module.metadata(range), "count")));
-        for (std::size_t k = counts.size(); k-- > 0;) {
-            const std::size_t size = made.parts[0].size * counts[k];
-            if (k + 1 < counts.size()) {
-                SourceType outer{.kind = Kind::sequence, .name = {}, .size = made.size * counts[k], .count = counts[k]};
-                outer.parts = {std::move(made)};
-                made = std::move(outer);
-            } else made.size = size, made.count = counts[k];
-        }
-    } else if (tag == "DW_TAG_structure_type" || tag == "DW_TAG_class_type") {
-        made.kind = Kind::structure;
-        if (language == Language::c && !made.name.empty()) made.name.insert(0, "struct ");
-        const bool is_optional = made.name.starts_with("Option<") || made.name.starts_with("std::optional<") ||
-                                 made.name.find("::optional<") != std::string::npos;
-        for (const int m : references(module.metadata(reference(field(text, "elements"))))) {
-            const std::string_view member = module.metadata(m);
-            const std::string kind = field(member, "tag");
-            if (is_optional && language == Language::rust && kind == "DW_TAG_variant_part") {
-                for (const int v : references(module.metadata(reference(field(member, "elements"))))) {
-                    const std::string_view variant = module.metadata(v);
-                    if (field(variant, "name") != "Some") continue;
-                    const SourceType some = type_of(module, reference(field(variant, "baseType")), language, depth + 1);
-                    made.kind = Kind::optional;
-                    made.parts = some.parts;
-                }
-                return made;
-            }
-            if ((kind != "DW_TAG_member" && kind != "DW_TAG_inheritance") ||
-                member.find("DIFlagStaticMember") != std::string_view::npos)
-                continue;
-            SourceType part = type_of(module, reference(field(member, "baseType")), language, depth + 1);
-            part.member = field(member, "name");
-            part.at = number_in(field(member, "offset")) / 8;
-            made.parts.push_back(std::move(part));
-        }
-        if (is_optional && language == Language::cpp) {
-            made.kind = Kind::optional;
-            SourceType value;
-            for (const int p : references(module.metadata(reference(field(text, "templateParams")))))
-                value = type_of(module, reference(field(module.metadata(p), "type")), language, depth + 1);
-            made.parts = {value};
-        }
-    } else if (tag == "DW_TAG_enumeration_type") {
-        made.kind = Kind::whole;
-    }
-    return made;
-}
 
 /// A vector or a number of an argument, and the name by which a meaning is guessed.
 struct Part {
@@ -129,17 +28,6 @@ struct Part {
     bool is_out = false;
     std::string role = {};
 };
-
-std::string small(std::string_view name) {
-    std::string made;
-    for (const char c : name)
-        if (c != '_') made += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return made;
-}
-
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-    return std::ranges::find(words, word) != words.end();
-}
 
 bool is_radius(std::string_view name) {
     return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
@@ -249,69 +137,8 @@ private:
     bool out_ = false;
 };
 
-bool is_origin(std::string_view name) {
-    return is_one_of(
-        name, {"o",        "ro",    "org", "orig", "origin", "rayo", "rayorg", "rayorig", "rayorigin", "rayori", "pos",
-               "position", "start", "eye", "from", "src",    "ori",  "rpos",   "raypos",  "p0",        "e",      "a"});
-}
-bool is_direction(std::string_view name) {
-    return is_one_of(name, {"d", "rd", "dir", "direction", "raydir", "raydirection", "rayd", "rdir", "v", "dirn", "b"});
-}
-bool is_inverse(std::string_view name) {
-    return is_one_of(name, {"inv", "invd", "invdir", "rcpdir", "invdirection", "invraydir", "dirinv", "idir", "dinv",
-                            "invrd", "raydirinv", "inverse", "inversedirection", "rinv", "rayinv", "invray"});
-}
-bool is_start(std::string_view name) { return is_one_of(name, {"tmin", "mint", "tstart", "tnear", "raytmin", "near"}); }
-bool is_end(std::string_view name) {
-    return is_one_of(name, {"tmax", "maxt", "tend", "tfar", "raytmax", "far", "maxdist", "maxdistance", "length"});
-}
-
-/// True if a name is common for the key of a shape.
-bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
-    if (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
-    if (key.name == "centre")
-        return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
-                                "spherecenter", "spherecentre", "sphere", "location"});
-    if (key.name == "radius") return is_one_of(name, {"r", "rad", "radius", "ra", "sphereradius", "sr"});
-    if (key.name == "lo")
-        return is_one_of(
-            name, {"lo", "low",     "min",     "mn",   "bmin",     "boxmin", "aabbmin",   "minp",  "lower", "pmin",
-                   "b0", "bounds0", "minimum", "vmin", "minbound", "l",      "mincorner", "bbmin", "lb",    "box0"});
-    if (key.name == "hi")
-        return is_one_of(
-            name, {"hi", "high",    "max",     "mx",   "bmax",     "boxmax", "aabbmax",   "maxp",  "upper", "pmax",
-                   "b1", "bounds1", "maximum", "vmax", "maxbound", "h",      "maxcorner", "bbmax", "rt",    "box1"});
-    if (key.name == "normal") return is_one_of(name, {"n", "normal", "nor", "norm"});
-    if (key.name == "through") return is_one_of(name, {"p", "p0", "point", "q", "pos", "center", "origin"});
-    if (shape == Shape::triangle) {
-        const std::string digit = std::to_string(k), letter(1, static_cast<char>('a' + k));
-        for (const char* const stem : {"v", "p", "vert", "vertex", "tri", "verts", "pts", "points", "t", "vertices"})
-            if (name == stem + digit) return true;
-        return name == letter || name == "v" + letter;
-    }
-    return name == key.letter;
-}
-
-std::optional<Shape> shape_named(std::string_view text) {
-    struct Word {
-        std::string_view word;
-        Shape shape;
-    };
-    constexpr std::array words{Word{"sphere", Shape::sphere},     Word{"ball", Shape::sphere},
-                               Word{"aabb", Shape::box},          Word{"box", Shape::box},
-                               Word{"slab", Shape::box},          Word{"bounds", Shape::box},
-                               Word{"cube", Shape::box},          Word{"tri", Shape::triangle},
-                               Word{"moller", Shape::triangle},   Word{"ellipsoid", Shape::ellipsoid},
-                               Word{"cylinder", Shape::cylinder}, Word{"capsule", Shape::capsule},
-                               Word{"tube", Shape::tube},         Word{"cone", Shape::cone},
-                               Word{"disc", Shape::disc},         Word{"disk", Shape::disc},
-                               Word{"plane", Shape::plane},       Word{"torus", Shape::torus}};
-    for (const Word& w : words)
-        if (text.find(w.word) != std::string_view::npos) return w.shape;
-    return {};
-}
-
-Shape guessed_shape(const Signature& s, const Stated& stated, const std::vector<Part>& parts, const std::string& who) {
+Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vector<Part>& parts,
+                    const std::string& who) {
     if (!stated.shape.empty()) {
         const auto known = std::ranges::find(shape_names, std::string_view(stated.shape));
         if (known == shape_names.end() || *known == "sdf") {
@@ -442,7 +269,7 @@ bool says_far(std::string_view name) {
 }
 
 /// Finds hit, t and the far t among numbers that a function writes or returns.
-void take_outputs(Signature& s, const std::vector<Part>& parts) {
+void take_outputs(UserSignature& s, const std::vector<Part>& parts) {
     for (const Part& p : parts) {
         if (p.is_vector) continue;
         if (p.slot.is_whole) {
@@ -508,56 +335,7 @@ Stated stated_by(const std::string& text, const std::string& where) {
     return s;
 }
 
-Signature signature_of(const Module& module, const std::string& path, const std::string& name, Language language) {
-    // The definition whose debug information has the name; of several, the one with the whole name.
-    const Function* found = nullptr;
-    const std::string last = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
-    std::string_view text;
-    for (const auto& [symbol, f] : module.functions) {
-        const std::string_view subprogram = module.metadata(f.subprogram);
-        const std::string called = field(subprogram, "name");
-        if (called != last && symbol != name && !called.starts_with(last + "<")) continue;
-        if (found != nullptr && field(text, "linkageName").find(name) != std::string::npos) continue;
-        found = &f;
-        text = subprogram;
-    }
-    if (found == nullptr) throw InputError(path + ": has no function " + doors::shown_text(name));
-    Signature s;
-    s.language = language;
-    s.call = name;
-    const std::vector<int> types =
-        references(module.metadata(reference(field(module.metadata(reference(field(text, "type"))), "types"))));
-    if (types.empty())
-        throw InputError(path + ": the function " + name + " has no debug information; compile it with -g");
-    s.returned = type_of(module, types[0], language);
-    const auto is_of_function = [&](int scope) { return module.metadata(scope) == text; };
-    std::map<std::size_t, std::string> names;
-    bool has_this = false;
-    for (int n = 0, misses = 0; misses < 4000; ++n) {
-        const std::string_view variable = module.metadata(n);
-        if (variable.empty()) {
-            ++misses;
-            continue;
-        }
-        misses = 0;
-        if (variable.find("DILocalVariable") == std::string_view::npos) continue;
-        const std::size_t arg = number_in(field(variable, "arg"));
-        if (arg == 0 || !is_of_function(reference(field(variable, "scope")))) continue;
-        names[arg] = field(variable, "name");
-        has_this =
-            has_this || (names[arg] == "this" && arg == 1) || (language == Language::rust && names[arg] == "self");
-    }
-    s.is_method = has_this && language == Language::cpp;
-    for (std::size_t k = 1; k < types.size(); ++k) {
-        Argument a{.name = names.contains(k) ? names[k] : "p" + std::to_string(k - 1),
-                   .type = type_of(module, types[k], language)};
-        a.is_this = k == 1 && has_this;
-        s.arguments.push_back(std::move(a));
-    }
-    return s;
-}
-
-void guess(Signature& s, const Stated& stated, const std::string& who) {
+void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     Parts parts;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) parts.add(s.arguments[k], static_cast<int>(k));
     const Shape shape = guessed_shape(s, stated, parts.all, who);
@@ -636,13 +414,13 @@ void guess(Signature& s, const Stated& stated, const std::string& who) {
     if (row_of(shape).told_end && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
     for (const auto& [key, text] : stated.words) {
         if (key == "miss") {
-            if (text == "inf" || text == "infinite") s.sentinel.kind = Sentinel::Kind::infinite;
-            else if (text == "nan") s.sentinel.kind = Sentinel::Kind::nan;
-            else if (text == "negative" || text.starts_with('-')) s.sentinel.kind = Sentinel::Kind::negative;
-            else if (text == "0" || text == "zero") s.sentinel.kind = Sentinel::Kind::zero;
-            else if (text == "none") s.sentinel.kind = Sentinel::Kind::none;
+            if (text == "inf" || text == "infinite") s.sentinel.kind = MissValue::Kind::infinite;
+            else if (text == "nan") s.sentinel.kind = MissValue::Kind::nan;
+            else if (text == "negative" || text.starts_with('-')) s.sentinel.kind = MissValue::Kind::negative;
+            else if (text == "0" || text == "zero") s.sentinel.kind = MissValue::Kind::zero;
+            else if (text == "none") s.sentinel.kind = MissValue::Kind::none;
             else {
-                s.sentinel.kind = Sentinel::Kind::above;
+                s.sentinel.kind = MissValue::Kind::above;
                 if (std::from_chars(text.data(), text.data() + text.size(), s.sentinel.bound).ec != std::errc())
                     throw InputError(stated.where + ": miss is " + doors::shown_text(text) +
                                      "; it must be -1, 0, inf, nan, none, or the number from which on t means a miss");
@@ -653,7 +431,7 @@ void guess(Signature& s, const Stated& stated, const std::string& who) {
         }
     }
     if (s.hit || s.hit_is_optional) {
-        if (s.sentinel.kind == Sentinel::Kind::unknown) s.sentinel.kind = Sentinel::Kind::none;
+        if (s.sentinel.kind == MissValue::Kind::unknown) s.sentinel.kind = MissValue::Kind::none;
     }
     const auto where = [&](const Slot& slot) -> std::string {
         if (slot.argument < 0) {

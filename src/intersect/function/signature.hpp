@@ -12,7 +12,7 @@
 
 namespace lostbits::intersect::function {
 
-enum class Language { c, cpp, rust };
+enum class SourceLanguage { c, cpp, rust };
 
 /// A type as the source has it.
 struct SourceType {
@@ -45,29 +45,29 @@ struct Slot {
 };
 
 /// A slot and the number that is written there: `in[3]`, or `1 / in[3]`.
-struct Input {
+struct InputSlot {
     Slot slot;
     std::string source;
 };
 
 /// The value of t that means a miss.
-struct Sentinel {
+struct MissValue {
     enum class Kind { unknown, none, negative, infinite, nan, zero, above };
     Kind kind = Kind::unknown;
     double bound = 0;
 };
 
-struct Signature {
-    Language language{};
+struct UserSignature {
+    SourceLanguage language{};
     std::string call;  ///< the function as the source calls it
     bool is_method = false;
     std::vector<Argument> arguments;
     SourceType returned;
     int bits = 32;
-    std::vector<Input> inputs;
+    std::vector<InputSlot> inputs;
     std::optional<Slot> hit, t, far;
     bool hit_is_optional = false;  ///< the returned value is there or not
-    Sentinel sentinel;
+    MissValue sentinel;
     doors::Contract contract;
     std::string shown;  ///< the guess in one line
 };
@@ -83,12 +83,13 @@ struct Stated {
 Stated stated_by(const std::string& text, const std::string& where);
 
 /// Reads the signature from the debug information of a module. InputError if the function is not there.
-Signature signature_of(const Module& module, const std::string& path, const std::string& name, Language language);
+UserSignature signature_of(const Module& module, const std::string& path, const std::string& name,
+                           SourceLanguage language);
 /// Guesses the rest of it. InputError, which says what to write, if an argument has no meaning that can be guessed.
-void guess(Signature& s, const Stated& stated, const std::string& who);
+void guess(UserSignature& s, const Stated& stated, const std::string& who);
 
 /// A file with a function `lostbits_entry(in, out, hit)` that calls the user's. It includes the file of that path; of
 /// Rust, `file` is the text of the file, which stands before the new function.
-std::string wrapper_of(const Signature& s, const std::string& file);
+std::string wrapper_of(const UserSignature& s, const std::string& file);
 
 }  // namespace lostbits::intersect::function

@@ -30,14 +30,14 @@ struct Scalar {
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
-struct Cell {
+struct MemoryCell {
     std::size_t size = 0;
     Scalar scalar;
-    friend bool operator==(const Cell&, const Cell&) = default;
+    friend bool operator==(const MemoryCell&, const MemoryCell&) = default;
 };
 
 /// A value of any type: its scalars by their offsets in memory. Bytes that are missing are undefined.
-using Value = std::map<std::size_t, Cell>;
+using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
@@ -52,7 +52,7 @@ public:
     /// InputError with the place for everything that cannot be followed.
     Answer run(const std::string& name, int inputs);
 
-    [[nodiscard]] const std::vector<Place>& places() const { return places_; }
+    [[nodiscard]] const std::vector<SourcePlace>& places() const { return places_; }
     /// The innermost place in the user's own files, or -1.
     [[nodiscard]] int own_place(int place) const;
 
@@ -65,7 +65,7 @@ private:
     };
     /// A function that runs.
     struct Frame {
-        const Function* function;
+        const IrFunction* function;
         int caller;              ///< place of the call
         std::vector<int> order;  ///< position of each block
         std::map<std::string, int> blocks;
@@ -101,7 +101,7 @@ private:
     void enter(Frame& frame, State state, const std::string& target);
     void branch(Frame& frame, State& state, Mask when, const std::string& target);
     void take_return(Frame& frame, State& state, Value value);
-    std::optional<std::pair<State, Value>> call(const Function& f, std::vector<Value> arguments, State state,
+    std::optional<std::pair<State, Value>> call(const IrFunction& f, std::vector<Value> arguments, State state,
                                                 int caller);
 
     // Instructions
@@ -137,7 +137,7 @@ private:
     Module& module_;
     Nodes& nodes_;
     std::string own_;
-    std::vector<Place> places_;
+    std::vector<SourcePlace> places_;
     std::map<std::pair<int, int>, int> known_places_;
     std::map<std::string, int> global_objects_;
     std::map<int, std::string> functions_;          // objects that are functions

@@ -12,8 +12,8 @@ using Kind = SourceType::Kind;
 
 std::string buffer(int argument) { return "lb_p" + std::to_string(argument); }
 
-std::string number_name(std::size_t size, Language language) {
-    if (language == Language::rust) return size == 4 ? "f32" : "f64";
+std::string number_name(std::size_t size, SourceLanguage language) {
+    if (language == SourceLanguage::rust) return size == 4 ? "f32" : "f64";
     return size == 4 ? "float" : "double";
 }
 
@@ -34,8 +34,8 @@ std::string c_source(std::string source) {
     return source;
 }
 
-std::string c_wrapper(const Signature& s, const std::string& path) {
-    const bool cpp = s.language == Language::cpp;
+std::string c_wrapper(const UserSignature& s, const std::string& path) {
+    const bool cpp = s.language == SourceLanguage::cpp;
     const std::string number = number_name(static_cast<std::size_t>(s.bits) / 8, s.language);
     std::string text = "#include \"" + path + "\"\n" + (cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
                        number + "* lb_in, " + number + "* lb_out, int* lb_hit) {\n";
@@ -44,7 +44,7 @@ std::string c_wrapper(const Signature& s, const std::string& path) {
         text += "    " + std::string(cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
                 buffer(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
     }
-    for (const Input& in : s.inputs)
+    for (const InputSlot& in : s.inputs)
         text += "    { " + number_name(in.slot.size, s.language) + " lb_v = " + c_source(in.source) +
                 "; __builtin_memcpy(" + buffer(in.slot.argument) + " + " + std::to_string(in.slot.at) +
                 ", &lb_v, sizeof lb_v); }\n";
@@ -83,7 +83,7 @@ std::string c_wrapper(const Signature& s, const std::string& path) {
     return text + "}\n";
 }
 
-std::string rust_wrapper(const Signature& s, const std::string& text_of_file) {
+std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file) {
     const std::string number = number_name(static_cast<std::size_t>(s.bits) / 8, s.language);
     std::string text = text_of_file +
                        "\n#[repr(align(64))] struct LostbitsBytes<const N: usize>([u8; N]);\n"
@@ -95,7 +95,7 @@ std::string rust_wrapper(const Signature& s, const std::string& text_of_file) {
         text += "    let mut " + buffer(static_cast<int>(k)) + " = LostbitsBytes::<" + std::to_string(size) + ">([0; " +
                 std::to_string(size) + "]);\n";
     }
-    for (const Input& in : s.inputs) {
+    for (const InputSlot& in : s.inputs) {
         std::string source = in.source;
         const std::string type = number_name(in.slot.size, s.language);
         if (source.starts_with("1 / ")) source = "1.0 / lb_" + source.substr(4);
@@ -134,8 +134,8 @@ std::string rust_wrapper(const Signature& s, const std::string& text_of_file) {
 
 }  // namespace
 
-std::string wrapper_of(const Signature& s, const std::string& path) {
-    return s.language == Language::rust ? rust_wrapper(s, path) : c_wrapper(s, path);
+std::string wrapper_of(const UserSignature& s, const std::string& path) {
+    return s.language == SourceLanguage::rust ? rust_wrapper(s, path) : c_wrapper(s, path);
 }
 
 }  // namespace lostbits::intersect::function
