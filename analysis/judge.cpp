@@ -130,8 +130,8 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
             throw InputError(
                 fmt::format("-f {}: is for forms, and -i names none; for the format of the answers write --file-format",
                             o.formats[0]));
-        const bool opened =
-            !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
+        const bool opened = !common.doors.plugins.empty() || !common.doors.pipes.empty() ||
+                            !common.doors.shaders.empty() || !common.doors.functions.empty();
         if (!rows.empty() && opened && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;

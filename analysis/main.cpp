@@ -63,6 +63,9 @@ void add_doors(const shell::Command& program, selection::DoorWords& doors) {
     program.add("--shader", doors.shaders,
                 "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
                 "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
+    program.add("--function", doors.functions,
+                "A function of C, C++ or Rust as it stands, compiled by clang or rustc: FILE.c:NAME. Its form "
+                "function.NAME stands beside the others, in every format and with its operations. May be repeated");
     program.add_list("--device", doors.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
     const auto isolate =
@@ -73,7 +76,8 @@ void add_doors(const shell::Command& program, selection::DoorWords& doors) {
         .add("--in-process", doors.in_process,
              "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
         .excludes(isolate);
-    program.add("--time-limit", doors.seconds, "Seconds that --plugin, --pipe and --shader may take for a batch (30)",
+    program.add("--time-limit", doors.seconds,
+                "Seconds that --plugin, --pipe and --shader may take for a batch, and a compiler for --function (30)",
                 shell::number_from(0.1, 1e6));
 }
 
@@ -171,6 +175,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         if (!common.quiet) selection::note_where(common.doors, named("trade") || named("choose"));
         if (const std::string here = selection::loaded_here(common.doors); !here.empty())
             shell::supervise(here, common.doors.seconds);
+        common.doors.quiet = common.quiet;
         selection::open_doors(common.doors, common.threads);
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {

@@ -18,6 +18,7 @@
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/function/function.hpp"
 #include "intersect/process/child.hpp"
 #include "intersect/process/own_state.hpp"
 #include "intersect/table/table.hpp"
@@ -163,7 +164,7 @@ Behind open_each(const DoorWords& words, int threads) {
             fmt::format("{}: is for libraries; name one by --plugin", words.isolate ? "--isolate" : "--in-process"));
     if (!words.devices.empty() && words.shaders.empty())
         throw InputError("--device: is for shaders; name one by --shader");
-    if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty()) return {};
+    if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty() && words.functions.empty()) return {};
     intersect::doors::guard_foreign_code(
         {words.seconds, words.stop, output::file::remove_partial_files, words.ends_with});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -204,6 +205,7 @@ Behind open_each(const DoorWords& words, int threads) {
         add(served_by_each(shader, words, terms), found.forms);
         again += " --shader " + shell_word(shader);
     }
+    for (const std::string& function : words.functions) again += " --function " + shell_word(function);
     for (const std::string& device : words.devices) again += " --device " + shell_word(device);
     output::blame::say_where_forms_are_from(again);
     return found;
@@ -218,6 +220,12 @@ void open_doors(const DoorWords& words, int threads) {
     });
     intersect::doors::enroll_formulas(found.formulas);
     intersect::doors::enroll(std::move(found.forms));
+    for (const std::string& named : words.functions) {
+        auto function = intersect::function::load_function(named, {.seconds = words.seconds, .stop = words.stop});
+        scene::toml::note_read(function->path);
+        if (!words.quiet) fmt::print(stderr, "lostbits: {}\n", function->shown);
+        intersect::function::enroll(std::move(function));
+    }
 }
 
 void note_states() {

@@ -19,10 +19,12 @@ struct DoorWords {
     std::vector<std::string> plugins;         ///< libraries, see `find_plugin`, each with an optional NAME= before it
     std::vector<std::string> pipes;           ///< commands for the shell
     std::vector<std::string> shaders;         ///< files of GLSL, see `read_shader`
+    std::vector<std::string> functions;       ///< of C, C++ and Rust, see `load_function`
     std::vector<std::string> devices;         ///< for the shaders: `device_kinds` or `all`; empty: the first available
     bool isolate = false;                     ///< every library runs in its own process, even one with formulas
     bool in_process = false;                  ///< no library runs in its own process
     bool isolate_by_default = false;          ///< libraries without formulas run in their own, see `decide_where`
+    bool quiet = false;                       ///< the guessed signatures of functions are not shown
     double seconds = 30;                      ///< time limit of one batch
     intersect::process::StopToken stop = {};  ///< ends the wait for an answer
     /// Called with the exit status if a fault of a library ends the program; also from signal handlers.

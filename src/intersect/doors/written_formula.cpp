@@ -1,7 +1,9 @@
 #include "intersect/doors/written_formula.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "intersect/table/arithmetics.hpp"
@@ -58,10 +60,11 @@ public:
             if (is_decision(w.op)) {
                 place_[i] = masks_.size();
                 masks_.push_back(decision(w));
+            } else if (w.wide) {
+                add(wide_, i, w.op == TapeOp::convert ? Wider<T>::widen(x(numbers_, w, 0)) : number(wide_, w, input));
             } else {
-                place_[i] = numbers_.size();
-                numbers_.push_back(number(w, input));
-                if (!w.label.empty()) static_cast<void>(named(w.label, numbers_.back()));
+                add(numbers_, i,
+                    w.op == TapeOp::convert ? Wider<T>::narrow(x(wide_, w, 0)) : number(numbers_, w, input));
             }
         }
         const auto answer = [&](NodeId i) {
@@ -71,18 +74,36 @@ public:
                 answer(formula_.far)};
     }
 
+    /// The index that the recorder has for the result of operation i.
+    [[nodiscard]] NodeId node(std::size_t i) const {
+        const WrittenOperation& w = formula_.operations[i];
+        if (is_decision(w.op)) return masks_[place_[i]].node();
+        return w.wide ? wide_[place_[i]].node() : numbers_[place_[i]].node();
+    }
+
 private:
-    const T& x(const WrittenOperation& w, std::size_t k) const {
-        return numbers_[place_[static_cast<std::size_t>(w.operands[k])]];
+    template <class N>
+    void add(std::vector<N>& numbers, std::size_t i, N made) {
+        place_[i] = numbers.size();
+        numbers.push_back(std::move(made));
+        if (!formula_.operations[i].label.empty())
+            static_cast<void>(named(formula_.operations[i].label, numbers.back()));
+    }
+    template <class N>
+    const N& x(const std::vector<N>& numbers, const WrittenOperation& w, std::size_t k) const {
+        return numbers[place_[static_cast<std::size_t>(w.operands[k])]];
     }
     mask_t<T> m(const WrittenOperation& w, std::size_t k) const {
         return masks_[place_[static_cast<std::size_t>(w.operands[k])]];
     }
-    template <class Input>
-    T number(const WrittenOperation& w, const Input& input) const {
+    template <class N, class Input>
+    N number(const std::vector<N>& numbers, const WrittenOperation& w, const Input& input) const {
+        const auto x = [&](const WrittenOperation& of, std::size_t k) -> const N& { return this->x(numbers, of, k); };
         switch (w.op) {
-            case TapeOp::input: return input(static_cast<std::size_t>(w.operands[0]));
-            case TapeOp::constant: return constant<T>(w.value);
+            case TapeOp::input:
+                if constexpr (std::is_same_v<N, T>) return input(static_cast<std::size_t>(w.operands[0]));
+                else return Wider<T>::widen(input(static_cast<std::size_t>(w.operands[0])));
+            case TapeOp::constant: return constant<N>(w.value);
             case TapeOp::add: return x(w, 0) + x(w, 1);
             case TapeOp::sub: return x(w, 0) - x(w, 1);
             case TapeOp::mul: return w.operands[0] == w.operands[1] ? square(x(w, 0)) : x(w, 0) * x(w, 1);
@@ -100,21 +121,30 @@ private:
             default: return next_down(x(w, 0));
         }
     }
+    template <class N>
+    mask_t<T> comparison(const std::vector<N>& numbers, const WrittenOperation& w) const {
+        switch (w.op) {
+            case TapeOp::less: return x(numbers, w, 0) < x(numbers, w, 1);
+            case TapeOp::less_equal: return x(numbers, w, 0) <= x(numbers, w, 1);
+            case TapeOp::greater: return x(numbers, w, 0) > x(numbers, w, 1);
+            default: return x(numbers, w, 0) >= x(numbers, w, 1);
+        }
+    }
     mask_t<T> decision(const WrittenOperation& w) const {
         switch (w.op) {
-            case TapeOp::less: return x(w, 0) < x(w, 1);
-            case TapeOp::less_equal: return x(w, 0) <= x(w, 1);
-            case TapeOp::greater: return x(w, 0) > x(w, 1);
-            case TapeOp::greater_equal: return x(w, 0) >= x(w, 1);
             case TapeOp::both: return m(w, 0) && m(w, 1);
             case TapeOp::either: return m(w, 0) || m(w, 1);
-            default: return !m(w, 0);
+            case TapeOp::opposite: return !m(w, 0);
+            default: break;
         }
+        const bool wide = formula_.operations[static_cast<std::size_t>(w.operands[0])].wide;
+        return wide ? comparison(wide_, w) : comparison(numbers_, w);
     }
 
     const WrittenFormula& formula_;
     std::vector<std::size_t> place_;
     std::vector<T> numbers_;
+    std::vector<typename Wider<T>::type> wide_;
     std::vector<mask_t<T>> masks_;
 };
 
@@ -212,9 +242,11 @@ void require_sense(const WrittenFormula& f) {
                          ", " + why);
     };
     const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
+    const bool has_wide = std::ranges::any_of(f.operations, &WrittenOperation::wide);
+    bool first_is_wide = false;
     for (std::size_t i = 0; i < f.operations.size(); ++i) {
         const WrittenOperation& w = f.operations[i];
-        if (w.op == TapeOp::convert || w.op == TapeOp::any || w.op == TapeOp::call)
+        if ((w.op == TapeOp::convert && !has_wide) || w.op == TapeOp::any || w.op == TapeOp::call)
             fail(i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
         if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
             fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
@@ -227,6 +259,12 @@ void require_sense(const WrittenFormula& f) {
             if (is_decision(f.operations[static_cast<std::size_t>(a)].op) != takes_decision(w.op, k))
                 fail(i, takes_decision(w.op, k) ? "takes a number where it needs a decision"
                                                 : "takes a decision where it needs a number");
+            if (takes_decision(w.op, k)) continue;
+            const bool is_wide = f.operations[static_cast<std::size_t>(a)].wide;
+            if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
+            const bool fits =
+                is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
+            if (!fits) fail(i, "takes numbers of the wrong format; convert them first");
         }
     }
     const auto is_one = [&f](NodeId i, bool decides) {
@@ -237,6 +275,9 @@ void require_sense(const WrittenFormula& f) {
     if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
     for (const NodeId i : {f.near, f.far})
         if (i != no_node && !is_one(i, false)) throw InputError(f.name + ": near or far is not the index of a number");
+    for (const NodeId i : {f.t, f.near, f.far})
+        if (i != no_node && f.operations[static_cast<std::size_t>(i)].wide)
+            throw InputError(f.name + ": an answer is of the wider format; convert it first");
 }
 
 WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)
@@ -254,6 +295,23 @@ void WrittenForm::fill(Intersector& row) {
     row.record_all = {record_all, this};
     row.count = {count, this};
     row.bounded = {answer_bounded, this};
+}
+
+std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
+    const WrittenFormula& formula = in(format);
+    std::vector<NodeId> nodes;
+    Tape tape;
+    const auto recorded = [&] {
+        const Solid<double> any(formula.shape);
+        const LiftedInputs<Recorded> in(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, Target<double>(any),
+                                        HUGE_VAL);
+        Evaluation<Recorded> run(formula);
+        const Hit<Recorded> hit = run.run(doors::by_number(in.ray, in.target.get().solids.front(), in.tmax));
+        for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(run.node(i));
+        return hit;
+    };
+    table::taped_by(recorded, format.parameters, tape);
+    return nodes;
 }
 
 Intersector WrittenForm::row(const Info& info) {

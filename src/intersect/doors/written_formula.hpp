@@ -20,6 +20,9 @@ struct WrittenOperation {
     std::array<std::int32_t, 3> operands{no_node, no_node, no_node};
     double value = 0;     ///< of a constant: any number, or infinite
     std::string label{};  ///< as `named` would give it; empty: none
+    /// The result is of the next wider format: double in a formula of float (`Wider`). Only `convert` takes a number of
+    /// the other format.
+    bool wide = false;
 };
 
 /// The operations, and the indices of the decision, of t, and of the line parameters of both intersections.
@@ -46,6 +49,8 @@ public:
     /// A row whose answers in f32 and f64 are also those of the formula.
     [[nodiscard]] table::Intersector row(const Info& info);
     [[nodiscard]] const WrittenFormula& in(const Format& format) const;
+    /// The node of each operation on the tapes of a format.
+    [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
 
 private:
     std::shared_ptr<const WrittenFormula> of32_, of64_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "intersect/function/function.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -249,6 +250,9 @@ std::string envelope_sentence(const Explanation& x) {
 std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_of(x, march).text() + better_sentences(x) + "\n";
+    const NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
+    if (const std::string line = intersect::function::quoted_line(*x.form->info, x.format, culprit); !line.empty())
+        text += line + "\n";
     if (x.solids > 1 && is_solid(x.form->shape))
         text += fmt::format("Of the primitives 0 to {}, this is primitive {}.\n", x.solids - 1, x.solid);
     if (x.form->is_set())

@@ -1,0 +1,91 @@
+// Names that users give to rays, to the parts of primitives, and to functions.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "shapes/solid.hpp"
+
+namespace lostbits::intersect::function {
+
+inline std::string small(std::string_view name) {
+    std::string made;
+    for (const char c : name)
+        if (c != '_') made += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return made;
+}
+
+inline bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+    return std::ranges::find(words, word) != words.end();
+}
+
+inline bool is_origin(std::string_view name) {
+    return is_one_of(
+        name, {"o",        "ro",    "org", "orig", "origin", "rayo", "rayorg", "rayorig", "rayorigin", "rayori", "pos",
+               "position", "start", "eye", "from", "src",    "ori",  "rpos",   "raypos",  "p0",        "e",      "a"});
+}
+inline bool is_direction(std::string_view name) {
+    return is_one_of(name, {"d", "rd", "dir", "direction", "raydir", "raydirection", "rayd", "rdir", "v", "dirn", "b"});
+}
+inline bool is_inverse(std::string_view name) {
+    return is_one_of(name, {"inv", "invd", "invdir", "rcpdir", "invdirection", "invraydir", "dirinv", "idir", "dinv",
+                            "invrd", "raydirinv", "inverse", "inversedirection", "rinv", "rayinv", "invray"});
+}
+inline bool is_start(std::string_view name) {
+    return is_one_of(name, {"tmin", "mint", "tstart", "tnear", "raytmin", "near"});
+}
+inline bool is_end(std::string_view name) {
+    return is_one_of(name, {"tmax", "maxt", "tend", "tfar", "raytmax", "far", "maxdist", "maxdistance", "length"});
+}
+
+/// True if a name is common for the key of a shape.
+inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
+    if (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
+    if (key.name == "centre")
+        return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
+                                "spherecenter", "spherecentre", "sphere", "location"});
+    if (key.name == "radius") return is_one_of(name, {"r", "rad", "radius", "ra", "sphereradius", "sr"});
+    if (key.name == "lo")
+        return is_one_of(
+            name, {"lo", "low",     "min",     "mn",   "bmin",     "boxmin", "aabbmin",   "minp",  "lower", "pmin",
+                   "b0", "bounds0", "minimum", "vmin", "minbound", "l",      "mincorner", "bbmin", "lb",    "box0"});
+    if (key.name == "hi")
+        return is_one_of(
+            name, {"hi", "high",    "max",     "mx",   "bmax",     "boxmax", "aabbmax",   "maxp",  "upper", "pmax",
+                   "b1", "bounds1", "maximum", "vmax", "maxbound", "h",      "maxcorner", "bbmax", "rt",    "box1"});
+    if (key.name == "normal") return is_one_of(name, {"n", "normal", "nor", "norm"});
+    if (key.name == "through") return is_one_of(name, {"p", "p0", "point", "q", "pos", "center", "origin"});
+    if (shape == Shape::triangle) {
+        const std::string digit = std::to_string(k), letter(1, static_cast<char>('a' + k));
+        for (const char* const stem : {"v", "p", "vert", "vertex", "tri", "verts", "pts", "points", "t", "vertices"})
+            if (name == stem + digit) return true;
+        return name == letter || name == "v" + letter;
+    }
+    return name == key.letter;
+}
+
+inline std::optional<Shape> shape_named(std::string_view text) {
+    struct Word {
+        std::string_view word;
+        Shape shape;
+    };
+    constexpr std::array words{Word{"sphere", Shape::sphere},     Word{"ball", Shape::sphere},
+                               Word{"aabb", Shape::box},          Word{"box", Shape::box},
+                               Word{"slab", Shape::box},          Word{"bounds", Shape::box},
+                               Word{"cube", Shape::box},          Word{"tri", Shape::triangle},
+                               Word{"moller", Shape::triangle},   Word{"ellipsoid", Shape::ellipsoid},
+                               Word{"cylinder", Shape::cylinder}, Word{"capsule", Shape::capsule},
+                               Word{"tube", Shape::tube},         Word{"cone", Shape::cone},
+                               Word{"disc", Shape::disc},         Word{"disk", Shape::disc},
+                               Word{"plane", Shape::plane},       Word{"torus", Shape::torus}};
+    for (const Word& w : words)
+        if (text.find(w.word) != std::string_view::npos) return w.shape;
+    return {};
+}
+
+}  // namespace lostbits::intersect::function

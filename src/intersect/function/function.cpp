@@ -1,0 +1,475 @@
+#include "intersect/function/function.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "intersect/device/temporary_folder.hpp"
+#include "intersect/doors/guard.hpp"
+#include "intersect/doors/pipe_header.hpp"
+#include "intersect/doors/plugin.hpp"
+#include "intersect/function/signature.hpp"
+#include "intersect/function/walk.hpp"
+#include "intersect/process/child.hpp"
+#include "number/error.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::intersect::function {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
+    if (text.str().size() > 50'000'000) throw InputError(path.string() + ": is longer than 50 MB");
+    return text.str();
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+    std::ofstream out(path, std::ios::binary);
+    out << text;
+    if (!out.flush()) throw EnvironmentError(path.string() + ": cannot be written; set TMPDIR to a folder with space");
+}
+
+/// `FILE:NAME` and `FILE:NAME:WORDS`.
+struct Named {
+    fs::path file;
+    std::string function, words;
+};
+
+Named split(const std::string& named) {
+    const auto fail = [&named](const std::string& what) {
+        throw InputError("--function " + named + ": " + what + "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs)");
+    };
+    std::error_code none;
+    for (std::size_t end = named.find(':'); end != std::string::npos; end = named.find(':', end + 1)) {
+        if (!fs::is_regular_file(named.substr(0, end), none)) continue;
+        Named made{named.substr(0, end), {}, {}};
+        const std::string rest = named.substr(end + 1);
+        std::size_t colon = 0;  // one that is not a part of ::
+        for (; colon < rest.size(); ++colon) {
+            if (rest[colon] != ':') continue;
+            if (colon + 1 < rest.size() && rest[colon + 1] == ':') ++colon;
+            else break;
+        }
+        made.function = rest.substr(0, colon);
+        if (colon < rest.size()) made.words = rest.substr(colon + 1);
+        if (made.function.empty()) fail("names no function");
+        return made;
+    }
+    if (fs::exists(named, none)) fail("names no function");
+    fail("no such file");
+    return {};
+}
+
+SourceLanguage language_of(const fs::path& file, const std::string& named) {
+    const std::string ending = file.extension().string();
+    if (ending == ".c") return SourceLanguage::c;
+    for (const char* const cpp : {".cpp", ".cc", ".cxx", ".C", ".hpp", ".h", ".cppm", ".hh"})
+        if (ending == cpp) return SourceLanguage::cpp;
+    if (ending == ".rs") return SourceLanguage::rust;
+    throw InputError("--function " + named +
+                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp) or Rust (.rs)");
+}
+
+bool is_in_path(const std::string& program) {
+    const char* const path = std::getenv("PATH");
+    std::istringstream folders(path == nullptr ? "/usr/bin:/bin" : path);
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+    return false;
+}
+
+/// Compiles the user's file in a folder of its own.
+class Compiler {
+public:
+    Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms)
+        : file_(fs::absolute(file).lexically_normal()),
+          language_(language),
+          terms_(terms),
+          folder_("lostbits-function") {
+        program_ = language == SourceLanguage::c ? "clang" : language == SourceLanguage::cpp ? "clang++" : "rustc";
+        if (!is_in_path(program_))
+            throw EnvironmentError(file.string() + ": " + program_ +
+                                   " is not in PATH, and reads such files; install it (" +
+                                   (language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
+                                                                     : "the Debian package clang") +
+                                   ")");
+    }
+
+    /// The LLVM IR of a file that ends in `text`.
+    std::string ir(const std::string& text, bool optimised) {
+        const fs::path source = write(text), made = folder_.path / "function.ll";
+        process::ProgramWords words{program_};
+        if (language_ == SourceLanguage::rust) {
+            add_rust(words);
+            words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
+                                       "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
+        } else {
+            add_c(words);
+            words.insert(words.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
+        }
+        run(words, source, made);
+        return text_of(made);
+    }
+
+    doors::Library library(const std::string& text) {
+        const fs::path source = write(text), made = folder_.path / "function.so";
+        process::ProgramWords words{program_};
+        if (language_ == SourceLanguage::rust) {
+            add_rust(words);
+            words.insert(words.end(), {"--crate-type=cdylib", "-Copt-level=3"});
+        } else {
+            add_c(words);
+            words.insert(words.end(), {"-O2", "-shared", "-fPIC"});
+        }
+        run(words, source, made, language_ == SourceLanguage::rust ? "" : "-lm");
+        return doors::load_library(made);
+    }
+
+    [[nodiscard]] const fs::path& file() const { return file_; }
+    [[nodiscard]] const fs::path& folder() const { return folder_.path; }
+
+private:
+    fs::path write(const std::string& text) {
+        fs::path source = folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string()
+                                          : language_ == SourceLanguage::c  ? "lostbits_entry.c"
+                                                                            : "lostbits_entry.cpp");
+        write_text(source, text);
+        return source;
+    }
+    void add_c(process::ProgramWords& words) const {
+        words.insert(words.end(), {"-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing",
+                                   "-w", "-I" + file_.parent_path().string()});
+        if (language_ == SourceLanguage::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
+    }
+    void add_rust(process::ProgramWords& words) const {
+        words.insert(
+            words.end(),
+            {"--edition=2021", "-Awarnings", "-Cpanic=abort", "-Ccodegen-units=1", "--crate-name=lostbits_function",
+             "--remap-path-prefix=" + folder_.path.string() + "=" + file_.parent_path().string()});
+        if (std::ranges::find(words, "--crate-type=cdylib") == words.end()) words.push_back("--crate-type=lib");
+    }
+    void run(process::ProgramWords words, const fs::path& source, const fs::path& made, const std::string& last = {}) {
+        if (std::ranges::find(words, "--crate-type=cdylib") != words.end()) std::erase(words, "--crate-type=lib");
+        words.insert(words.end(), {"-o", made.string(), source.string()});
+        if (!last.empty()) words.push_back(last);
+        process::Child child(
+            words,
+            {.who = file_.string() + ": " + program_, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
+        const process::Child::Ended ended = child.read_to_end();
+        if (ended.status == 0 && fs::exists(made)) return;
+        std::string said = ended.output.substr(0, 3000);
+        for (std::size_t at = 0; (at = said.find(folder_.path.string() + "/", at)) != std::string::npos;)
+            said.erase(at, folder_.path.string().size() + 1);
+        throw InputError(file_.string() + ": " + program_ + " does not compile it:\n" + said);
+    }
+
+    fs::path file_;
+    SourceLanguage language_;
+    CompileTerms terms_;
+    std::string program_;
+    device::TemporaryFolder folder_;
+};
+
+/// A file that makes the compiler keep the function, so that its types can be read.
+std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
+    if (language == SourceLanguage::rust)
+        return text_of(file) + "\n#[no_mangle] pub fn lostbits_keep() -> usize { " + name +
+               " as *const () as usize }\n";
+    const std::string include = "#include \"" + file.string() + "\"\n";
+    if (language == SourceLanguage::c) return include + "void* lostbits_keep(void) { return (void*)" + name + "; }\n";
+    return include + "auto lostbits_keep = &" + name + ";\n";
+}
+
+/// The words after `lostbits:` in a comment of the file; the last one that names the function, or that names none.
+Stated stated_in(const std::string& source, const std::string& path) {
+    Stated found;
+    constexpr std::string_view mark = "lostbits:";
+    int line = 1;
+    std::istringstream lines(source);
+    for (std::string text; std::getline(lines, text); ++line) {
+        const std::size_t at = text.find(mark), comment = text.find("//"), block = text.find("/*");
+        if (at == std::string::npos || std::min(comment, block) > at) continue;
+        found =
+            stated_by(text.substr(at + mark.size()), path + ":" + std::to_string(line) + ":" + std::to_string(at + 1));
+    }
+    return found;
+}
+
+bool says_miss(const MissValue& s, double t) {
+    switch (s.kind) {
+        case MissValue::Kind::negative: return t < 0;
+        case MissValue::Kind::infinite: return std::isinf(t);
+        case MissValue::Kind::nan: return std::isnan(t);
+        case MissValue::Kind::zero: return t <= 0;
+        case MissValue::Kind::above: return t >= s.bound;
+        default: return false;
+    }
+}
+
+Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
+    const auto against = [&](TapeOp op, double x) { return nodes.compare(op, t, nodes.constant(x, false)); };
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    switch (s.kind) {
+        case MissValue::Kind::negative: return against(TapeOp::less, 0);
+        case MissValue::Kind::infinite:
+            return nodes.either(against(TapeOp::greater_equal, infinity), against(TapeOp::less_equal, -infinity));
+        case MissValue::Kind::nan: return nodes.is_nan(t);
+        case MissValue::Kind::zero: return against(TapeOp::less_equal, 0);
+        case MissValue::Kind::above: return against(TapeOp::greater_equal, s.bound);
+        default: return no;
+    }
+}
+
+/// The value that the function returns for a miss, by the constants that its t may be.
+MissValue guessed_sentinel(const Nodes& nodes, NodeId t) {
+    bool others = false;
+    const std::vector<double> constants = nodes.constants_of(t, others);
+    const auto any = [&](const auto& is) { return std::ranges::any_of(constants, is); };
+    if (any([](double x) { return std::isnan(x); })) return {MissValue::Kind::nan, 0};
+    if (any([](double x) { return std::isinf(x) && x > 0; })) return {MissValue::Kind::infinite, 0};
+    for (const double x : constants)
+        if (x >= 1e5) return {MissValue::Kind::above, x};
+    if (!any([](double x) { return x < 0; }) && any([](double x) { return x == 0; })) return {MissValue::Kind::zero, 0};
+    return {MissValue::Kind::negative, 0};
+}
+
+std::string sentinel_words(const MissValue& s) {
+    switch (s.kind) {
+        case MissValue::Kind::negative: return "hit where t is not negative";
+        case MissValue::Kind::infinite: return "hit where t is not infinite";
+        case MissValue::Kind::nan: return "hit where t is a number";
+        case MissValue::Kind::zero: return "hit where t is not 0";
+        case MissValue::Kind::above: {
+            std::ostringstream text;
+            text << "hit where t < " << s.bound;
+            return text.str();
+        }
+        default: return "";
+    }
+}
+
+/// The compiled function.
+template <class S>
+void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t numbers,
+                  const lb_batch& batch) {
+    const auto* const rays = static_cast<const S*>(batch.rays);
+    const auto* const solids = static_cast<const S*>(batch.solids);
+    const auto* const ends = static_cast<const S*>(batch.ends);
+    auto* const near_far = static_cast<S*>(batch.near_far);
+    for (std::size_t i = 0; i < batch.size; ++i) {
+        std::array<S, 64> in{};
+        std::copy_n(rays + 6 * i, 6, in.begin());
+        std::copy_n(solids + batch.solid_stride * i, numbers, in.begin() + 6);
+        in[6 + numbers] = ends != nullptr ? ends[i] : std::numeric_limits<S>::infinity();
+        std::array<S, 2> out{};
+        int hit = 0;
+        entry(in.data(), out.data(), &hit);
+        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0]) ? 1 : 0;
+        near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
+    }
+}
+
+/// The answer of the table from that of the function, as `doors::hit_of` makes it of compiled answers.
+struct Outputs {
+    Mask hit;
+    NodeId t, near, far;
+};
+
+Outputs outputs_of(Nodes& nodes, const doors::Contract& c, const Walk::Answer& answer, Mask hit) {
+    const NodeId zero = nodes.constant(0, false);
+    if (c.roots == Roots::none) return {hit, zero, zero, zero};
+    const NodeId near = answer.t;
+    if (c.roots == Roots::near_only)
+        return {nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, near, zero))), near, near, near};
+    if (c.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
+    const NodeId far = answer.far;
+    const TapeOp ahead_op = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
+    const Mask ahead = nodes.either(nodes.is_nan(near), nodes.compare(ahead_op, near, zero));
+    const Inside inside = doors::inside_of(c);
+    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && zero_inside(c.shape));
+    if (inside == Inside::miss) hit = nodes.both(hit, ahead);
+    if (c.at_origin == AtOrigin::miss)
+        hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less_equal, far, zero)));
+    if ((c.flags & LB_LINE) != 0) hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, far, zero)));
+    return {hit, nodes.select(ahead, near, at_0 ? zero : far), near, far};
+}
+
+template <class S>
+bool same(S a, S b) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+/// Compares the operations that were read with the compiled function on random rays. InputError if they differ.
+template <class S>
+void require_same(const table::Kernel<S>& native, const table::Kernel<S>& written, Shape shape, bool tells_t,
+                  const std::string& who) {
+    constexpr std::size_t count = 4096;
+    std::mt19937_64 random(1);
+    const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
+    std::vector<Solid<S>> solids;
+    std::array<std::vector<S>, 6> columns;
+    for (std::size_t i = 0; i < count; ++i) {
+        Solid<S> solid(shape);
+        std::size_t at = 0;
+        const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
+        for (const Key& key : row_of(shape).keys)
+            for (std::size_t k = 0; k < key.count(); ++k, ++at) {
+                double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
+                if (key.limit == Key::Limit::at_least_before)
+                    x = static_cast<double>(solid.numbers[at - 3]) + std::fabs(x);
+                if (key.limit == Key::Limit::below_before) x = static_cast<double>(solid.numbers[at - 1]) * 0.5 * x;
+                solid.numbers[at] = static_cast<S>(x);
+            }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double o = scale * uniform();
+            columns[k].push_back(static_cast<S>(o));
+            // Every second ray goes near the first point of the primitive.
+            columns[k + 3].push_back(static_cast<S>(
+                i % 2 == 0 ? uniform() : (static_cast<double>(solid.numbers[k]) + 0.3 * uniform() - o) / (1 + scale)));
+        }
+        solids.push_back(solid);
+    }
+    const table::RayBatch<S> rays{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
+    std::array<std::vector<S>, 6> numbers;
+    for (auto& column : numbers) column.resize(count);
+    std::array<std::vector<std::uint8_t>, 2> hits{std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count)};
+    native(rays, Target<S>(std::span<const Solid<S>>(solids)), {numbers[0], numbers[1], numbers[2], hits[0]});
+    written(rays, Target<S>(std::span<const Solid<S>>(solids)), {numbers[3], numbers[4], numbers[5], hits[1]});
+    for (std::size_t i = 0; i < count; ++i) {
+        if (hits[0][i] == hits[1][i] && (hits[0][i] == 0 || !tells_t || same(numbers[0][i], numbers[3][i]))) continue;
+        std::ostringstream text;
+        text << who << ": the operations that were read differ from the compiled function, on the ray ";
+        text.precision(std::numeric_limits<S>::max_digits10);
+        for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << columns[k][i];
+        text << " and the " << name_of(shape) << " ";
+        for (std::size_t k = 0; k < solids[i].used().size(); ++k) text << (k == 0 ? "" : ",") << solids[i].used()[k];
+        const auto said = [&](std::size_t which) {
+            if (hits[which][i] == 0) text << "a miss";
+            else text << "t = " << numbers[3 * which][i];
+        };
+        text << ": ";
+        said(1);
+        text << ", and compiled ";
+        said(0);
+        text << "; it may keep state between calls";
+        throw InputError(text.str());
+    }
+}
+
+std::string plain_name(const std::string& function) {
+    std::string name;
+    for (const char c : function) {
+        const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+        if (plain) name += c;
+        else if (!name.empty() && name.back() != '.') name += '.';
+    }
+    while (!name.empty() && name.back() == '.') name.pop_back();
+    return "function." + name.substr(0, 50);
+}
+
+}  // namespace
+
+std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms) {
+    const Named parts = split(named);
+    const SourceLanguage language = language_of(parts.file, named);
+    auto made = std::make_unique<UserFunction>();
+    made->path = parts.file.string();
+    made->source = text_of(parts.file);
+    Stated stated = stated_in(made->source, made->path);
+    if (!parts.words.empty()) stated = stated_by(parts.words, "--function " + named);
+    const std::string who = made->path + ":" + parts.function;
+
+    Compiler compiler(parts.file, language, terms);
+    UserSignature signature = [&] {
+        const Module probe(compiler.ir(probe_of(language, compiler.file(), parts.function), false));
+        return signature_of(probe, made->path, parts.function, language);
+    }();
+    guess(signature, stated, who);
+    const std::string wrapper =
+        wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());
+    Module module(compiler.ir(wrapper, true));
+    Nodes nodes(signature.bits);
+    Walk walk(module, nodes, compiler.file().parent_path().string());
+    const std::size_t numbers = row_of(signature.contract.shape).numbers;
+    const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
+    if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");
+    if (signature.sentinel.kind == MissValue::Kind::unknown) signature.sentinel = guessed_sentinel(nodes, answer.t);
+    if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
+        made->shown = who + ": " + signature.shown + "; " + words;
+    else made->shown = who + ": " + signature.shown;
+
+    doors::Contract& contract = signature.contract;
+    if (contract.name.empty()) contract.name = plain_name(parts.function);
+    contract.source = parts.file.filename().string();
+    if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
+    doors::require_sense(contract, who);
+    Mask hit = answer.hit;
+    if (answer.t != no_node) hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t)));
+    const Outputs out = outputs_of(nodes, contract, answer, hit);
+    // Names of what has no variable: the answer itself.
+    if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);
+    Nodes::Written written = nodes.written(out.hit, out.t, out.near, out.far);
+    written.formula.name = contract.name;
+    written.formula.shape = contract.shape;
+    doors::require_sense(written.formula);
+    made->places = walk.places();
+    for (SourcePlace& p : made->places)
+        if (const fs::path relative = fs::path(p.file).lexically_normal(); relative == compiler.file())
+            p.file = made->path;
+    for (const int place : written.places) {
+        const int own = walk.own_place(place);
+        made->place_of_operation.push_back(own);
+    }
+    const auto formula = std::make_shared<const doors::WrittenFormula>(std::move(written.formula));
+    made->written = std::make_unique<doors::WrittenForm>(formula, formula);
+
+    const doors::Library library = compiler.library(wrapper);
+    doors::ForeignForm form{contract, made->path, {}};
+    const char* const name = doors::lasting_text(doors::name_in_messages(form));
+    const auto bind = [&]<class S>(S) {
+        const auto entry = doors::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
+        if (entry == nullptr) throw InputError(who + ": the compiled function has no entry");
+        form.answer = [entry, name, numbers, sentinel = signature.sentinel,
+                       computes = library.computes](const lb_batch& batch) {
+            doors::call_of(name, [&] {
+                const doors::InForeignCode here(name, computes);
+                answer_batch<S>(entry, sentinel, numbers, batch);
+                return 0;
+            });
+        };
+    };
+    if (signature.bits == 32) bind(0.0F);
+    else bind(0.0);
+    made->answers = std::make_unique<doors::ForeignRow>(std::move(form));
+    made->answers->info.formats = Formats::all;
+    made->row = made->answers->row();
+    made->written->fill(made->row);
+    const table::Intersector alone = made->written->row(made->answers->info);
+    const bool tells_t = contract.roots != Roots::none;
+    if (signature.bits == 32) {
+        require_same(made->row.native32, alone.native32, contract.shape, tells_t, who);
+        made->row.native64 = alone.native64;
+    } else {
+        require_same(made->row.native64, alone.native64, contract.shape, tells_t, who);
+        made->row.native32 = alone.native32;
+    }
+    return made;
+}
+
+}  // namespace lostbits::intersect::function

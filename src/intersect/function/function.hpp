@@ -1,0 +1,47 @@
+// Functions of users in C, C++ and Rust as intersectors: compiled for their answers, and read from the compiler's LLVM
+// IR for everything that looks at operations.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/doors/foreign_batch.hpp"
+#include "intersect/doors/written_formula.hpp"
+#include "intersect/function/ir.hpp"
+#include "intersect/process/stop_token.hpp"
+
+namespace lostbits::intersect::function {
+
+struct CompileTerms {
+    double seconds = 30;  ///< limit for each run of a compiler
+    process::StopToken stop = {};
+};
+
+/// A function under test. It must not move once it is in the table, which points into it.
+struct UserFunction {
+    std::string path;    ///< of its file
+    std::string source;  ///< text of the file
+    std::string shown;   ///< the signature as it was guessed, in one line
+    std::unique_ptr<doors::ForeignRow> answers;
+    std::unique_ptr<doors::WrittenForm> written;
+    std::vector<SourcePlace> places;
+    std::vector<int> place_of_operation;  ///< index of the place of each operation; -1: none
+    table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
+};
+
+/// Compiles `FILE.c:NAME`, with words of a signature after another colon, and reads its operations. InputError for a
+/// file that does not compile and for what cannot be followed, EnvironmentError if there is no compiler.
+std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms);
+
+/// Adds it to the table, where it stays.
+void enroll(std::unique_ptr<UserFunction> function);
+
+/// The line of the user's file where an operation of an enrolled function stands, marked as compilers mark an error;
+/// empty for other forms and for operations without a place. `node`: its index on a tape of that format.
+std::string quoted_line(const Info& form, const Format& format, NodeId node);
+/// `sphere.c:12:20`, in the same way.
+std::string place_words(const Info& form, const Format& format, NodeId node);
+
+}  // namespace lostbits::intersect::function

@@ -1,0 +1,116 @@
+// The lines of users' files, quoted as compilers quote them.
+#include <algorithm>
+#include <cctype>
+#include <deque>
+#include <sstream>
+#include <string_view>
+
+#include "intersect/function/function.hpp"
+
+namespace lostbits::intersect::function {
+namespace {
+
+std::deque<std::unique_ptr<UserFunction>>& all_functions() {
+    static std::deque<std::unique_ptr<UserFunction>> all;
+    return all;
+}
+
+}  // namespace
+
+void enroll(std::unique_ptr<UserFunction> function) {
+    all_functions().push_back(std::move(function));
+    table::enroll({all_functions().back()->row});
+}
+
+namespace {
+
+/// An enrolled function, and the place of an operation; null for others.
+const UserFunction* behind(const Info& form, const Format& format, NodeId node, int& place) {
+    for (const auto& f : all_functions()) {
+        if (&f->answers->info != &form) continue;
+        const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
+        const auto found = std::ranges::find(nodes, node);
+        if (found == nodes.end()) return nullptr;
+        place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
+        return place < 0 ? nullptr : f.get();
+    }
+    return nullptr;
+}
+
+std::string words_of(const SourcePlace& p) {
+    return p.file + ":" + std::to_string(p.line) + ":" + std::to_string(p.column);
+}
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
+
+/// First and last character of the expression around the operator at `at`, as far as the line shows it.
+std::pair<std::size_t, std::size_t> extent(const std::string& line, std::size_t at) {
+    if (at >= line.size()) return {at, at};
+    const auto strength = [](char c) { return c == '*' || c == '/' ? 2 : c == '+' || c == '-' ? 1 : 0; };
+    const int own = strength(line[at]);
+    std::size_t begin = at, end = at;
+    if (own == 0) {  // a name: the call or the operand that begins here
+        while (end + 1 < line.size() && is_word(line[end + 1])) ++end;
+        if (end + 1 >= line.size() || line[end + 1] != '(') return {begin, end};
+    } else {
+        int depth = 0;
+        for (std::size_t k = at; k-- > 0;) {
+            const char c = line[k];
+            if (c == ')' || c == ']') ++depth;
+            if (c == '(' || c == '[') --depth;
+            if (depth < 0 || (depth == 0 && (std::string_view(",;={}<>!&|?:").find(c) != std::string_view::npos ||
+                                             (strength(c) > 0 && strength(c) < own))))
+                break;
+            if (depth == 0 && k >= 5 && line.compare(k - 5, 6, "return") == 0) break;
+            if (c != ' ' && c != '\t') begin = k;
+        }
+    }
+    int depth = 0;
+    for (std::size_t k = end + 1; k < line.size(); ++k) {
+        const char c = line[k];
+        if (c == '(' || c == '[') ++depth;
+        if (c == ')' || c == ']') --depth;
+        const bool unary = c == '-' && line.find_last_not_of(' ', k - 1) == at;
+        if (depth < 0 || (depth == 0 && !unary &&
+                          (std::string_view(",;{}<>=!&|?:").find(c) != std::string_view::npos ||
+                           (strength(c) > 0 && (strength(c) <= own || own == 0)))))
+            break;
+        if (c != ' ' && c != '\t') end = k;
+        if (own == 0 && depth == 0) break;
+    }
+    return {begin, end};
+}
+
+}  // namespace
+
+std::string place_words(const Info& form, const Format& format, NodeId node) {
+    int place = -1;
+    const UserFunction* const f = behind(form, format, node, place);
+    return f == nullptr ? "" : words_of(f->places[static_cast<std::size_t>(place)]);
+}
+
+std::string quoted_line(const Info& form, const Format& format, NodeId node) {
+    int place = -1;
+    const UserFunction* const f = behind(form, format, node, place);
+    if (f == nullptr) return "";
+    const SourcePlace& p = f->places[static_cast<std::size_t>(place)];
+    std::string text = words_of(p);
+    for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
+        const SourcePlace& c = f->places[static_cast<std::size_t>(caller)];
+        if (c.line == 0 || c.file != p.file) continue;
+        text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
+    }
+    text += "\n";
+    std::istringstream lines(p.file == f->path ? f->source : "");
+    std::string line;
+    for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
+    if (line.empty() || p.column < 1 || static_cast<std::size_t>(p.column) > line.size()) return text;
+    const auto at = static_cast<std::size_t>(p.column - 1);
+    const auto [begin, end] = extent(line, at);
+    std::string marks;
+    for (std::size_t k = 0; k <= end; ++k) marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
+    const std::string number = std::to_string(p.line);
+    return text + " " + number + " | " + line + "\n " + std::string(number.size(), ' ') + " | " + marks + "\n";
+}
+
+}  // namespace lostbits::intersect::function

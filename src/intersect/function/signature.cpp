@@ -1,0 +1,453 @@
+#include "intersect/function/signature.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <span>
+
+#include "intersect/doors/pipe_header.hpp"
+#include "intersect/function/common_names.hpp"
+#include "number/error.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::intersect::function {
+namespace {
+
+using Kind = SourceType::Kind;
+using Words = std::span<const std::string_view>;
+
+/// A vector or a number of an argument, and the name by which a meaning is guessed.
+struct Part {
+    Slot slot;
+    bool is_vector = false;
+    std::string path;         ///< "ray.origin"
+    std::string last;         ///< "origin", in small letters without _
+    std::string around = {};  ///< names of the argument and its type, in small letters
+    bool is_out = false;
+    std::string role = {};
+};
+
+bool is_radius(std::string_view name) {
+    return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
+}
+
+/// Numbers of a type that stand beside each other; -1 if it holds anything else.
+int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
+    if (t.kind == Kind::number) {
+        if (size != 0 && size != t.size) return -1;
+        size = t.size;
+        last = small(t.member);
+        return 1;
+    }
+    if (t.kind == Kind::sequence) {
+        std::string unused;
+        const int one = floats_in(t.parts[0], size, unused);
+        return one < 0 || t.count > 64 ? -1 : one * static_cast<int>(t.count);
+    }
+    if (t.kind != Kind::structure || t.parts.empty()) return -1;
+    int all = 0;
+    for (const SourceType& p : t.parts) {
+        const int one = floats_in(p, size, last);
+        if (one < 0) return -1;
+        all += one;
+    }
+    return all;
+}
+
+class Parts {
+public:
+    std::vector<Part> all;
+
+    void add(const Argument& a, int index) {
+        around_ = small(a.name) + " " + small(a.target().name);
+        const bool points = a.type.kind == Kind::pointer;
+        argument_ = index;
+        out_ = points && !a.type.is_const && !a.is_this && is_answer(a);
+        const std::string name = a.is_this ? "this" : a.name;
+        // A pointer to a number is one number where its name says so, and three otherwise.
+        if (points && a.target().kind == Kind::number) {
+            const bool one = out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
+            if (!one) return put(0, a.target().size, true, name, small(a.name));
+        }
+        flatten(a.target(), 0, name, small(a.name));
+    }
+
+private:
+    static bool is_answer(const Argument& a) {
+        const std::string name = small(a.name), type = small(a.target().name);
+        if (a.target().kind == Kind::number || a.target().kind == Kind::whole)
+            return !is_one_of(
+                name, {"o",   "d",   "org", "orig", "origin", "dir", "direction", "center", "centre", "c",
+                       "ro",  "rd",  "v0",  "v1",   "v2",     "a",   "b",         "vert0",  "vert1",  "vert2",
+                       "min", "max", "lo",  "hi",   "p0",     "p1",  "p2",        "pos",    "n",      "normal"});
+        for (const char* const word : {"hit", "rec", "isect", "inter", "info", "result", "out", "answer", "si"})
+            if (name.find(word) != std::string::npos || type.find(word) != std::string::npos) return true;
+        return false;
+    }
+
+    void put(std::size_t at, std::size_t size, bool vector, const std::string& path, const std::string& last,
+             bool whole = false) {
+        Part p{
+            .slot = {argument_, at, size, whole}, .is_vector = vector, .path = path, .last = last, .around = around_};
+        p.is_out = out_;
+        all.push_back(std::move(p));
+    }
+
+    void flatten(const SourceType& t, std::size_t at, const std::string& path, const std::string& last) {
+        std::size_t size = 0;
+        std::string last_name;
+        const int count = floats_in(t, size, last_name);
+        if (t.kind == Kind::number) return put(at, t.size, false, path, last);
+        if (t.kind == Kind::whole) return put(at, t.size, false, path, last, true);
+        if (count == 3 || (count == 4 && !is_radius(last_name))) {
+            // Three numbers with names of their own are no vector.
+            const bool named = t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
+                               is_one_of(small(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
+            if (!named) return put(at, size, true, path, last);
+        }
+        if (count == 4) {
+            put(at, size, true, path + "." + t.parts[0].member, "centre");
+            return put(at + 3 * size, size, false, path + "." + last_name, "radius");
+        }
+        if (t.kind == Kind::sequence && count > 0 && count % 3 == 0 && t.parts[0].kind == Kind::number) {
+            for (int k = 0; k < count / 3; ++k) {
+                const std::string index = std::to_string(k);
+                put(at + static_cast<std::size_t>(3 * k) * size, size, true, path + "[" + std::to_string(3 * k) + "]",
+                    last + index);
+            }
+            return;
+        }
+        if (t.kind == Kind::sequence && t.count <= 16) {
+            for (std::size_t k = 0; k < t.count; ++k)
+                flatten(t.parts[0], at + k * t.parts[0].size, path + "[" + std::to_string(k) + "]",
+                        last + std::to_string(k));
+            return;
+        }
+        if (t.kind == Kind::structure)
+            for (const SourceType& p : t.parts) {
+                const std::string name = p.member.starts_with("__") ? p.member.substr(2) : p.member;
+                flatten(p, at + p.at, name.empty() ? path : path + "." + name, name.empty() ? last : small(name));
+            }
+    }
+
+    std::string around_;
+    int argument_ = 0;
+    bool out_ = false;
+};
+
+Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vector<Part>& parts,
+                    const std::string& who) {
+    if (!stated.shape.empty()) {
+        const auto known = std::ranges::find(shape_names, std::string_view(stated.shape));
+        if (known == shape_names.end() || *known == "sdf") {
+            std::string all;
+            for (const std::string_view name : shape_names)
+                if (name != "sdf") all += (all.empty() ? "" : ", ") + std::string(name);
+            throw InputError(stated.where + ": " + doors::shown_text(stated.shape) + " is not one of " + all);
+        }
+        return static_cast<Shape>(known - shape_names.begin());
+    }
+    if (const auto named = shape_named(small(s.call))) return *named;
+    for (const Argument& a : s.arguments)
+        if (const auto named = shape_named(small(a.target().name) + " " + small(a.name))) return *named;
+    std::size_t vectors = 0, numbers = 0;
+    for (const Part& p : parts) {
+        if (p.is_out || p.slot.is_whole || is_start(p.last) || is_end(p.last) || is_inverse(p.last)) continue;
+        ++(p.is_vector ? vectors : numbers);
+    }
+    if (vectors == 3 && numbers == 1) return Shape::sphere;
+    if (vectors == 4 && numbers == 0) return Shape::box;
+    if (vectors == 5 && numbers == 0) return Shape::triangle;
+    throw InputError(who +
+                     ": its name and its arguments do not say which primitive it intersects; say it in a comment "
+                     "of the file, such as // lostbits: sphere(o, d, c, r)");
+}
+
+/// Gives each part a role: o, d, 1/d, tmin, tmax, or k<number of the key>.
+void give_roles(std::vector<Part>& parts, Shape shape) {
+    const auto keys = row_of(shape).keys;
+    const auto has = [&](const std::string& role) {
+        return std::ranges::find(parts, role, &Part::role) != parts.end();
+    };
+    const auto give = [&](Part& p, const std::string& role) {
+        if (p.role.empty() && !has(role)) p.role = role;
+    };
+    for (Part& p : parts) {
+        if (p.is_out || p.slot.is_whole) continue;
+        const bool in_ray = p.around.find("ray") != std::string::npos;
+        const bool alone = p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
+        const bool may_be_ray = in_ray || alone;
+        if (p.is_vector && may_be_ray) {
+            if (is_inverse(p.last)) give(p, "1/d");
+            else if (in_ray && !alone && is_origin(p.last)) give(p, "o");
+            else if (in_ray && !alone && is_direction(p.last)) give(p, "d");
+            else if (alone && !is_one_of(p.last, {"a", "b", "p0", "pos", "e", "v"})) {
+                if (is_origin(p.last)) give(p, "o");
+                else if (is_direction(p.last)) give(p, "d");
+            }
+        } else if (!p.is_vector && is_start(p.last)) {
+            give(p, "tmin");
+        } else if (!p.is_vector && is_end(p.last)) {
+            give(p, "tmax");
+        }
+    }
+    // What no name tells stands in the order that everyone uses.
+    for (const char* const role : {"o", "d"}) {
+        if (has(role) || (std::string_view(role) == "d" && has("1/d"))) continue;
+        for (const bool ray_only : {true, false}) {
+            if (has(role)) break;
+            for (Part& p : parts) {
+                const bool in_ray = p.around.find("ray") != std::string::npos;
+                const bool alone = p.path.find('.') == std::string::npos;
+                if (!p.is_vector || p.is_out || !p.role.empty() || !(ray_only ? in_ray && !alone : alone || in_ray))
+                    continue;
+                p.role = role;
+                break;
+            }
+        }
+    }
+    for (Part& p : parts) {
+        if (p.is_out || p.slot.is_whole || !p.role.empty()) continue;
+        for (std::size_t k = 0; k < keys.size(); ++k)
+            if (p.is_vector == (keys[k].count() == 3) && fits_key(p.last, keys[k], k, shape))
+                give(p, "k" + std::to_string(k));
+    }
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        const std::string role = "k" + std::to_string(k);
+        if (has(role)) continue;
+        for (Part& p : parts)
+            if (p.role.empty() && !p.is_out && !p.slot.is_whole && p.is_vector == (keys[k].count() == 3)) {
+                p.role = role;
+                break;
+            }
+    }
+}
+
+/// Roles as a comment states them, in the order of the arguments.
+void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
+    const auto keys = row_of(shape).keys;
+    std::vector<Part*> open;
+    for (Part& p : parts) open.push_back(&p);
+    if (stated.roles.size() > open.size())
+        throw InputError(stated.where + ": names " + std::to_string(stated.roles.size()) +
+                         " arguments, but the function "
+                         "takes " +
+                         std::to_string(open.size()) + " vectors and numbers");
+    for (std::size_t i = 0; i < stated.roles.size(); ++i) {
+        const std::string word = small(stated.roles[i]);
+        std::string role;
+        for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
+            if (word == keys[k].name || word == keys[k].letter) role = "k" + std::to_string(k);
+        if (word == "-" || word.empty()) role = "-";
+        else if (is_one_of(word, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) role = word;
+        else if (is_one_of(word, {"origin", "direction"})) role = word.substr(0, 1);
+        for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
+            if (fits_key(word, keys[k], k, shape)) role = "k" + std::to_string(k);
+        if (role.empty())
+            throw InputError(stated.where + ": " + doors::shown_text(stated.roles[i]) +
+                             " is not one of o, d, 1/d, tmin, "
+                             "tmax, t, far, hit, -, or a part of " +
+                             with_article(shape) + ": " + key_list(shape));
+        open[i]->role = role;
+        if (is_one_of(role, {"t", "far", "hit"})) open[i]->is_out = true;
+    }
+}
+
+bool says_hit(std::string_view name) {
+    return is_one_of(name, {"hit", "ishit", "didhit", "valid", "ok", "hashit", "found", "intersects", "intersected",
+                            "success", "happened"});
+}
+bool says_t(std::string_view name) {
+    return is_one_of(
+        name, {"t",    "dist",    "distance",    "depth",  "thit",  "tnear",  "t0",   "lambda", "near", "tmin",
+               "hitt", "hitdist", "hitdistance", "tentry", "enter", "tenter", "outt", "0",      "x",    "length"});
+}
+bool says_far(std::string_view name) {
+    return is_one_of(name, {"far", "tfar", "t1", "tmax", "texit", "exit", "tleave", "1", "y"});
+}
+
+/// Finds hit, t and the far t among numbers that a function writes or returns.
+void take_outputs(UserSignature& s, const std::vector<Part>& parts) {
+    for (const Part& p : parts) {
+        if (p.is_vector) continue;
+        if (p.slot.is_whole) {
+            if (!s.hit && (says_hit(p.last) || p.role == "hit")) s.hit = p.slot;
+        } else if (!s.t && (says_t(p.last) || p.role == "t")) {
+            s.t = p.slot;
+        } else if (!s.far && (says_far(p.last) || p.role == "far")) {
+            s.far = p.slot;
+        }
+    }
+}
+
+std::string key_name(Shape shape, const std::string& role) {
+    if (role == "o") return "origin";
+    if (role == "d") return "direction";
+    if (role == "1/d") return "1/direction";
+    if (role[0] == 'k') return std::string(row_of(shape).keys[static_cast<std::size_t>(role[1] - '0')].name);
+    return role;
+}
+
+}  // namespace
+
+Stated stated_by(const std::string& text, const std::string& where) {
+    Stated s;
+    s.where = where;
+    std::string_view rest = text;
+    const auto trimmed = [](std::string_view t) {
+        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
+        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back())) != 0) t.remove_suffix(1);
+        return std::string(t);
+    };
+    if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
+    rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
+    const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
+    if (const std::size_t after = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
+        after >= rest.size() || rest[after] != '=') {
+        s.shape = small(rest.substr(0, name_end));
+        rest = rest.substr(after);
+        if (rest.starts_with('(')) {
+            const std::size_t close = std::min(rest.find(')'), rest.size());
+            std::string_view list = rest.substr(1, close - 1);
+            s.has_roles = true;
+            while (!trimmed(list).empty()) {
+                const std::size_t comma = std::min(list.find(','), list.size());
+                s.roles.push_back(trimmed(list.substr(0, comma)));
+                list = list.substr(std::min(comma + 1, list.size()));
+            }
+            rest = rest.substr(std::min(close + 1, rest.size()));
+        }
+    }
+    while (!trimmed(rest).empty()) {
+        const std::size_t comma = std::min(rest.find(','), rest.size());
+        const std::string word = trimmed(rest.substr(0, comma));
+        rest = rest.substr(std::min(comma + 1, rest.size()));
+        const std::size_t equals = word.find('=');
+        if (equals != std::string::npos)
+            s.words.emplace_back(trimmed(std::string_view(word).substr(0, equals)),
+                                 trimmed(std::string_view(word).substr(equals + 1)));
+        else if (!word.empty() && !word.starts_with("->"))
+            throw InputError(where + ": " + doors::shown_text(word) +
+                             " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
+    }
+    return s;
+}
+
+void guess(UserSignature& s, const Stated& stated, const std::string& who) {
+    Parts parts;
+    for (std::size_t k = 0; k < s.arguments.size(); ++k) parts.add(s.arguments[k], static_cast<int>(k));
+    const Shape shape = guessed_shape(s, stated, parts.all, who);
+    if (stated.has_roles) take_roles(parts.all, shape, stated);
+    else give_roles(parts.all, shape);
+    const auto keys = row_of(shape).keys;
+    const std::size_t numbers = row_of(shape).numbers;
+    s.bits = 64;
+    for (const Part& p : parts.all)
+        if (!p.is_out && !p.slot.is_whole && p.slot.size == 4) s.bits = 32;
+    std::string lacks;
+    const auto has = [&](const std::string& role) {
+        return std::ranges::find(parts.all, role, &Part::role) != parts.all.end();
+    };
+    if (!has("o")) lacks += " origin";
+    if (!has("d") && !has("1/d")) lacks += " direction";
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (!has("k" + std::to_string(k)) && !keys[k].optional) lacks += " " + std::string(keys[k].name);
+    if (!lacks.empty()) {
+        std::string example = std::string(name_of(shape)) + "(o, d";
+        for (const Key& key : keys) example += ", " + std::string(key.name);
+        throw InputError(who + ": no argument seems to be the" + lacks + " of a ray and " + with_article(shape) +
+                         "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
+    }
+    for (const Part& p : parts.all) {
+        if (p.role.empty() || p.role == "-" || is_one_of(p.role, {"t", "far", "hit"})) continue;
+        std::size_t first = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? 3 : 6;
+        if (p.role[0] == 'k')
+            for (std::size_t k = 0; k < static_cast<std::size_t>(p.role[1] - '0'); ++k) first += keys[k].count();
+        if (p.role == "tmax") first = 6 + numbers;
+        for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
+            const std::string in = "in[" + std::to_string(first + k) + "]";
+            Slot slot = p.slot;
+            slot.at += k * p.slot.size;
+            s.inputs.push_back({slot, p.role == "1/d" ? "1 / " + in : p.role == "tmin" ? "0" : in});
+        }
+        s.shown += (s.shown.empty() ? "" : ", ") + key_name(shape, p.role) + " = " + p.path;
+    }
+    s.shown = std::string(name_of(shape)) + ": " + s.shown;
+
+    // Answers
+    std::vector<Part> outs;
+    for (const Part& p : parts.all)
+        if (p.is_out) outs.push_back(p);
+    const SourceType* value = &s.returned;
+    if (value->kind == Kind::optional && !value->parts.empty()) {
+        s.hit_is_optional = true;
+        value = &value->parts[0];
+    }
+    std::vector<Part> returned;
+    if (value->kind == Kind::number) {
+        s.t = Slot{-1, 0, value->size, false};
+    } else if (value->kind == Kind::whole) {
+        s.hit = Slot{-1, 0, value->size, true};
+    } else if (value->kind == Kind::structure) {
+        for (const SourceType& p : value->parts) {
+            if (p.kind != Kind::number && p.kind != Kind::whole) continue;
+            const std::string last = small(p.member.starts_with("__") ? p.member.substr(2) : p.member);
+            returned.push_back({.slot = {-1, p.at, p.size, p.kind == Kind::whole}, .path = p.member, .last = last});
+        }
+        take_outputs(s, returned);
+    }
+    take_outputs(s, outs);
+    if (!s.t)  // a number that is written, whatever its name is
+        for (const Part& p : outs)
+            if (!p.is_vector && !p.slot.is_whole && !s.t && (p.path.find('.') == std::string::npos)) s.t = p.slot;
+    if (!s.hit && !s.t && !s.hit_is_optional)
+        throw InputError(who +
+                         ": neither its result nor an argument seems to be t or a decision to hit; return t, or "
+                         "bool, or name the one that takes it in a comment of the file: // lostbits: " +
+                         std::string(name_of(shape)) + "(o, d, ..., t)");
+    doors::Contract& c = s.contract;
+    c.shape = shape;
+    c.bits = s.bits;
+    c.roots = s.t && s.far ? Roots::both : s.t ? Roots::first_only : Roots::none;
+    if (row_of(shape).told_end && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
+    for (const auto& [key, text] : stated.words) {
+        if (key == "miss") {
+            if (text == "inf" || text == "infinite") s.sentinel.kind = MissValue::Kind::infinite;
+            else if (text == "nan") s.sentinel.kind = MissValue::Kind::nan;
+            else if (text == "negative" || text.starts_with('-')) s.sentinel.kind = MissValue::Kind::negative;
+            else if (text == "0" || text == "zero") s.sentinel.kind = MissValue::Kind::zero;
+            else if (text == "none") s.sentinel.kind = MissValue::Kind::none;
+            else {
+                s.sentinel.kind = MissValue::Kind::above;
+                if (std::from_chars(text.data(), text.data() + text.size(), s.sentinel.bound).ec != std::errc())
+                    throw InputError(stated.where + ": miss is " + doors::shown_text(text) +
+                                     "; it must be -1, 0, inf, nan, none, or the number from which on t means a miss");
+            }
+        } else if (!doors::set_word(c, key, text, stated.where)) {
+            throw InputError(stated.where + ": unknown word " + doors::shown_text(key) +
+                             "; known are miss, roots, direction, touching, at_origin, inside, facing and flags");
+        }
+    }
+    if (s.hit || s.hit_is_optional) {
+        if (s.sentinel.kind == MissValue::Kind::unknown) s.sentinel.kind = MissValue::Kind::none;
+    }
+    const auto where = [&](const Slot& slot) -> std::string {
+        if (slot.argument < 0) {
+            for (const Part& p : returned)
+                if (p.slot.at == slot.at) return "its " + p.path;
+            return "the result";
+        }
+        for (const Part& p : parts.all)
+            if (p.slot.argument == slot.argument && p.slot.at == slot.at) return p.path;
+        return "an argument";
+    };
+    s.shown += "; ";
+    if (s.hit_is_optional) s.shown += "hit where the result is there";
+    else if (s.hit) s.shown += "hit where " + where(*s.hit) + " is not 0";
+    if (s.t) s.shown += std::string(s.hit || s.hit_is_optional ? ", " : "") + "t = " + where(*s.t);
+    if (s.far) s.shown += ", far = " + where(*s.far);
+}
+
+}  // namespace lostbits::intersect::function

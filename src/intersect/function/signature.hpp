@@ -1,0 +1,95 @@
+// The signature of a user's function by its debug information: which argument is the ray's, which the primitive's, and
+// how it answers. Guessed from names and types; a comment of the file or the option overrides the guess.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "intersect/doors/contract.hpp"
+#include "intersect/function/ir.hpp"
+
+namespace lostbits::intersect::function {
+
+enum class SourceLanguage { c, cpp, rust };
+
+/// A type as the source has it.
+struct SourceType {
+    enum class Kind { nothing, number, whole, pointer, structure, sequence, optional, other };
+    Kind kind = Kind::other;
+    std::string name;                    ///< as one would write it
+    std::size_t size = 0;                ///< in bytes
+    bool is_const = false;               ///< of a pointer or a reference: its target is not written
+    std::vector<SourceType> parts = {};  ///< members, or one: the item, the target, the value of an optional
+    std::string member = {};             ///< name of this member
+    std::size_t at = 0;                  ///< offset of this member
+    std::size_t count = 0;               ///< of a sequence
+};
+
+struct Argument {
+    std::string name;
+    SourceType type;
+    bool is_this = false;
+    [[nodiscard]] const SourceType& target() const {
+        return type.kind == SourceType::Kind::pointer ? type.parts[0] : type;
+    }
+};
+
+/// A number at an offset of an argument, or of the returned value.
+struct Slot {
+    int argument = -1;  ///< -1: the returned value
+    std::size_t at = 0;
+    std::size_t size = 0;
+    bool is_whole = false;
+};
+
+/// A slot and the number that is written there: `in[3]`, or `1 / in[3]`.
+struct InputSlot {
+    Slot slot;
+    std::string source;
+};
+
+/// The value of t that means a miss.
+struct MissValue {
+    enum class Kind { unknown, none, negative, infinite, nan, zero, above };
+    Kind kind = Kind::unknown;
+    double bound = 0;
+};
+
+struct UserSignature {
+    SourceLanguage language{};
+    std::string call;  ///< the function as the source calls it
+    bool is_method = false;
+    std::vector<Argument> arguments;
+    SourceType returned;
+    int bits = 32;
+    std::vector<InputSlot> inputs;
+    std::optional<Slot> hit, t, far;
+    bool hit_is_optional = false;  ///< the returned value is there or not
+    MissValue sentinel;
+    doors::Contract contract;
+    std::string shown;  ///< the guess in one line
+};
+
+/// The words of a comment `lostbits: sphere(o, d, c, r) -> t, miss = -1, roots = near`, or of the option.
+struct Stated {
+    std::string shape;
+    std::vector<std::string> roles;  ///< of the vectors and numbers of all arguments, in their order
+    bool has_roles = false;
+    std::vector<std::pair<std::string, std::string>> words;  ///< key and value
+    std::string where;
+};
+Stated stated_by(const std::string& text, const std::string& where);
+
+/// Reads the signature from the debug information of a module. InputError if the function is not there.
+UserSignature signature_of(const Module& module, const std::string& path, const std::string& name,
+                           SourceLanguage language);
+/// Guesses the rest of it. InputError, which says what to write, if an argument has no meaning that can be guessed.
+void guess(UserSignature& s, const Stated& stated, const std::string& who);
+
+/// A file with a function `lostbits_entry(in, out, hit)` that calls the user's. It includes the file of that path; of
+/// Rust, `file` is the text of the file, which stands before the new function.
+std::string wrapper_of(const UserSignature& s, const std::string& file);
+
+}  // namespace lostbits::intersect::function

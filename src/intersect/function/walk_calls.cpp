@@ -1,0 +1,175 @@
+// Calls: of functions of the file, and of those whose meaning is known.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+#include "intersect/function/walk_parts.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::function {
+
+// Calls
+
+/// A call of a function whose meaning is known; nothing if it is none of these.
+std::optional<Value> Walk::known_call(State& state, const std::string& name, const Type& type,
+                                      const std::vector<Value>& arguments, const std::vector<const Type*>& types) {
+    std::string_view base = name;
+    const bool is_llvm = base.starts_with("llvm.");
+    if (is_llvm) base.remove_prefix(5);
+    const auto is = [&](std::string_view word) {
+        if (is_llvm) return base == word || (base.starts_with(word) && base[word.size()] == '.');
+        return base == word || (base.size() == word.size() + 1 && base.starts_with(word) && base.back() == 'f');
+    };
+    const auto lanes = [&](std::size_t count, const auto& act) {
+        return each_lane(type, [&](const Type& lane, std::size_t from) {
+            std::vector<NodeId> x;
+            for (std::size_t k = 0; k < count && k < arguments.size(); ++k)
+                x.push_back(number_of(part_of(arguments[k], from, lane.size), lane));
+            if (x.size() < count) fail("it calls " + shown(name) + " with too few arguments");
+            return number(act(x));
+        });
+    };
+    const bool of_numbers =
+        type.kind == Type::Kind::number || (type.is_vector && type.parts[0]->kind == Type::Kind::number);
+    if (of_numbers && arguments.size() >= 1) {
+        if (is("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
+        if (is("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
+        if (arguments.size() >= 2) {
+            if (is("copysign"))
+                return lanes(2, [&](const auto& x) { return nodes_.number(TapeOp::copysign, x[0], x[1]); });
+            if (is("minnum") || is("fmin") || is("minimumnum"))
+                return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::min, x[0], x[1]); });
+            if (is("maxnum") || is("fmax") || is("maximumnum"))
+                return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::max, x[0], x[1]); });
+        }
+        if (arguments.size() >= 3) {
+            if (is("fma")) return lanes(3, [&](const auto& x) { return nodes_.number(TapeOp::fma, x[0], x[1], x[2]); });
+            if (is("fmuladd"))
+                return lanes(3, [&](const auto& x) {
+                    return nodes_.number(TapeOp::add, nodes_.number(TapeOp::mul, x[0], x[1]), x[2]);
+                });
+        }
+    }
+    const auto count_of = [&](std::size_t k) -> std::size_t {
+        const std::vector<Case> n = cases_of(arguments[k], *types[k]);
+        if (n.size() != 1 || n[0].value < 0 || n[0].value > (1 << 20)) fail("a copy has a length that is not known");
+        return static_cast<std::size_t>(n[0].value);
+    };
+    if (arguments.size() >= 3 && (is("memcpy") || is("memmove"))) {
+        const std::size_t n = count_of(2);
+        if (n == 0) return arguments[0];
+        const Value copied = load(state, arguments[1], n);
+        for (const Case& c : cases_of(arguments[0], *types[0]))
+            if (const auto v = variables_.find(c.object); v != variables_.end() && c.value >= 0)
+                name_value(state, v->second.first, copied, static_cast<std::size_t>(c.value), v->second.second);
+        store(state, arguments[0], n, copied);
+        return arguments[0];
+    }
+    if (arguments.size() >= 3 && is("memset")) {
+        const std::size_t n = count_of(2);
+        const std::vector<Case> byte = cases_of(arguments[1], *types[1]);
+        Value all;
+        if (byte.size() == 1 && byte[0].value == 0) all = whole(byte, n);
+        else
+            for (std::size_t k = 0; k < n; ++k) put(all, k, 1, whole(byte, 1));
+        if (n > 0) store(state, arguments[0], n, all);
+        return arguments[0];
+    }
+    if (!is_llvm) return {};
+    if (is("lifetime") || is("assume") || is("experimental.noalias.scope.decl") || is("stackrestore") ||
+        is("donothing") || is("va_start") || is("va_end"))
+        return Value();
+    if (is("expect") && !arguments.empty()) return arguments[0];
+    if (is("stacksave")) return whole({{yes, 0, 0}}, 8);
+    if (is("is.constant")) return integer(0, type);
+    if (arguments.size() >= 2 && (is("smax") || is("smin") || is("umax") || is("umin"))) {
+        const std::string_view predicate = is("smax") ? "sgt" : is("smin") ? "slt" : is("umax") ? "ugt" : "ult";
+        std::vector<Case> all;
+        for (const Case& x : cases_of(arguments[0], type))
+            for (const Case& y : cases_of(arguments[1], type))
+                all.push_back({nodes_.both(x.when, y.when), 0,
+                               holds(predicate, x.value, y.value, type.bits) ? x.value : y.value});
+        return whole(distinct(std::move(all)), type.size);
+    }
+    for (const char* const op : {"sadd", "uadd", "ssub", "usub", "smul", "umul"}) {
+        if (!is(std::string(op) + ".with.overflow") || arguments.size() < 2) continue;
+        const Type& whole_type = *types[0];
+        Value all;
+        put(all, 0, whole_type.size, combine(std::string_view(op).substr(1), whole_type, arguments[0], arguments[1]));
+        put(all, whole_type.size, 1, integer(0, *module_.integer_type(8)));  // a counter that wraps is not followed
+        return all;
+    }
+    if (is("is.fpclass") && arguments.size() >= 2) {
+        const NodeId x = number_of(arguments[0], *types[0]);
+        const std::int64_t classes = cases_of(arguments[1], *types[1])[0].value;
+        if (classes == 3) return from_mask(nodes_.is_nan(x));
+    }
+    return {};
+}
+
+std::optional<Value> Walk::called(Frame& frame, State& state, Cursor& at) {
+    const int here = nodes_.place;
+    skip_flags(at);
+    // The type may be preceded by a calling convention and attributes.
+    for (;;) {
+        Cursor ahead = at;
+        const std::string_view word = ahead.word();
+        if (word.empty() || word == "void" || word == "float" || word == "double" || word == "ptr" ||
+            (word[0] == 'i' && word.size() > 1 && std::isdigit(static_cast<unsigned char>(word[1])) != 0) ||
+            word == "half" || word == "x86_fp80")
+            break;
+        at = ahead;
+        if (at.peek() == '(') at.group();
+        else if (word == "align") at.integer();
+    }
+    const Type* type = module_.type(at);
+    if (at.take("asm")) fail("inline assembly is not followed");
+    std::string name;
+    if (at.take("%")) {
+        const std::vector<Case> callee = cases_of(state.registers[at.name()], *module_.pointer_type());
+        const auto found = functions_.find(callee[0].object);
+        if (callee.size() != 1 || found == functions_.end())
+            fail("a function that is chosen at run time (a virtual call or a pointer to a function) is not followed");
+        name = found->second;
+    } else if (at.take("@")) {
+        name = at.name();
+    } else if (at.take("bitcast")) {
+        Cursor inside(at.group());
+        while (!inside.at_end() && inside.peek() != '@') inside = Cursor(inside.rest().substr(1));
+        inside.expect("@");
+        name = inside.name();
+    } else {
+        fail("a function that is chosen at run time is not followed");
+    }
+    Cursor given(at.group());
+    std::vector<Value> arguments;
+    std::vector<const Type*> types;
+    while (!given.at_end()) {
+        types.push_back(module_.type(given));
+        if (types.back()->size == 16 && types.back()->kind == Type::Kind::other && given.peek() == '!') {
+            arguments.emplace_back();  // metadata
+            given = Cursor("");
+            break;
+        }
+        arguments.push_back(value(state, *types.back(), given));
+        if (!given.take(",")) break;
+    }
+    if (auto known = known_call(state, name, *type, arguments, types)) return known;
+    if (const IrFunction* const f = module_.function(name)) {
+        auto over = call(*f, std::move(arguments), std::move(state), here);
+        nodes_.place = here;
+        if (!over) return {};
+        state = std::move(over->first);
+        return std::move(over->second);
+    }
+    constexpr std::array ends{"abort",           "exit",        "__assert_fail",     "llvm.trap",
+                              "_ZSt9terminatev", "__cxa_throw", "__cxa_pure_virtual"};
+    if (std::ranges::find(ends, name) != ends.end() || name.find("panic") != std::string::npos) return {};
+    static_cast<void>(frame);
+    fail("it calls " + shown(name) +
+         ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax and comparisons");
+}
+
+}  // namespace lostbits::intersect::function

@@ -1,0 +1,166 @@
+// Places and names of operations, from the debug information.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+#include "intersect/function/walk_parts.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::function {
+
+// Places and names
+
+int Walk::place_at(int location, int caller) {
+    const auto [known, is_new] = known_places_.try_emplace({location, caller}, -1);
+    if (!is_new) return known->second;
+    const std::string_view text = module_.metadata(location);
+    const std::string line = field(text, "line");
+    if (text.find("DILocation") == std::string_view::npos || line.empty()) return -1;
+    SourcePlace made;
+    const auto number = [](const std::string& digits) {
+        int n = 0;
+        std::from_chars(digits.data(), digits.data() + digits.size(), n);
+        return n;
+    };
+    made.line = number(line), made.column = number(field(text, "column"));
+    made.caller = caller;
+    if (const int inlined = reference(field(text, "inlinedAt")); inlined >= 0 && inlined != location)
+        made.caller = place_at(inlined, caller);
+    const int scope = reference(field(text, "scope"));
+    const std::string_view file = module_.metadata(reference(field(module_.metadata(scope), "file")));
+    made.file = field(file, "filename");
+    const std::string folder = field(file, "directory");
+    if (!made.file.starts_with('/') && !folder.empty()) made.file = folder + "/" + made.file;
+    places_.push_back(std::move(made));
+    const int index = static_cast<int>(places_.size() - 1);
+    known_places_[{location, caller}] = index;
+    return index;
+}
+
+int Walk::place_of(std::string_view line, int caller) {
+    constexpr std::string_view mark = "!dbg !";
+    const std::size_t at = line.rfind(mark);
+    return at == std::string_view::npos ? -1 : place_at(reference(line.substr(at + 5)), caller);
+}
+
+int Walk::own_place(int place) const {
+    for (int guard = 0; place >= 0 && guard < 100; ++guard) {
+        const SourcePlace& p = places_[static_cast<std::size_t>(place)];
+        if (p.line > 0 && p.file.starts_with(own_)) return place;
+        place = p.caller;
+    }
+    return -1;
+}
+
+/// Names the numbers of a value by the variable that it is stored in, from this offset of the variable on.
+void Walk::name_value(State& state, int variable, const Value& value, std::size_t from, int depth) {
+    static_cast<void>(state);
+    const std::string_view text = module_.metadata(variable);
+    if (!field(text, "arg").empty() || field(text, "flags") == "DIFlagArtificial") return;
+    const std::string name = field(text, "name");
+    if (name.empty() || name.starts_with("lb_")) return;  // of the wrapper
+    std::string prefix;
+    if (depth > 2) {
+        int scope = reference(field(text, "scope"));
+        for (int guard = 0; guard < 20 && scope >= 0; ++guard) {
+            const std::string_view around = module_.metadata(scope);
+            if (around.find("DISubprogram") != std::string_view::npos) {
+                prefix = field(around, "name") + ".";
+                break;
+            }
+            scope = reference(field(around, "scope"));
+        }
+    }
+    // The path to each number by the types of the debug information.
+    const auto path = [&](std::size_t offset) {
+        std::string found;
+        int type = reference(field(text, "type"));
+        for (int guard = 0; guard < 20 && type >= 0; ++guard) {
+            const std::string_view t = module_.metadata(type);
+            const auto number = [](const std::string& s) {
+                std::size_t n = 0;
+                std::from_chars(s.data(), s.data() + s.size(), n);
+                return n;
+            };
+            if (t.find("DIDerivedType") != std::string_view::npos) {
+                type = reference(field(t, "baseType"));
+            } else if (t.find("DW_TAG_array_type") != std::string_view::npos) {
+                type = reference(field(t, "baseType"));
+                const std::size_t size = number(field(module_.metadata(type), "size")) / 8;
+                if (size == 0) break;
+                found += "[" + std::to_string(offset / size) + "]";
+                offset %= size;
+            } else if (t.find("DICompositeType") != std::string_view::npos) {
+                int inside = -1;
+                for (const int m : references(module_.metadata(reference(field(t, "elements"))))) {
+                    const std::string_view member = module_.metadata(m);
+                    const std::string tag = field(member, "tag");
+                    if (tag != "DW_TAG_member" && tag != "DW_TAG_inheritance") continue;
+                    const std::size_t begin = number(field(member, "offset")) / 8;
+                    const std::size_t size = number(field(member, "size")) / 8;
+                    if (offset < begin || offset >= begin + size) continue;
+                    if (const std::string n = field(member, "name"); !n.empty()) found += "." + n;
+                    inside = reference(field(member, "baseType"));
+                    offset -= begin;
+                    break;
+                }
+                if (inside < 0) break;
+                type = inside;
+            } else {
+                break;
+            }
+        }
+        return found;
+    };
+    for (const auto& [at, cell] : value)
+        if (cell.scalar.kind == Scalar::Kind::number)
+            nodes_.name(cell.scalar.node, prefix + name + path(from + at), depth);
+}
+
+/// `llvm.dbg.declare`, `llvm.dbg.value`, and the records that stand in their place since LLVM 19.
+void Walk::declare(State& state, std::string_view line, Cursor at, bool is_record) {
+    const bool is_memory =
+        line.find("dbg_declare") != std::string_view::npos || line.find("@llvm.dbg.declare") != std::string_view::npos;
+    const bool is_value =
+        line.find("dbg_value") != std::string_view::npos || line.find("@llvm.dbg.value") != std::string_view::npos;
+    if (!is_memory && !is_value) return;
+    while (!at.at_end() && at.peek() != '(') at = Cursor(at.rest().substr(1));
+    Cursor inside(at.group());
+    inside.take("metadata");
+    if (inside.peek() == '!' || inside.take("poison") || inside.take("undef")) return;
+    const Type* const type = module_.type(inside);
+    if (!inside.take("%")) return;
+    const std::string name = inside.name();
+    const auto found = state.registers.find(name);
+    if (found == state.registers.end()) return;
+    const std::size_t reference_at = inside.rest().find('!');
+    if (reference_at == std::string_view::npos) return;
+    const int variable = reference(inside.rest().substr(reference_at));
+    int depth = depth_;
+    if (is_record) {
+        int location = reference(line.substr(std::min(line.rfind('!'), line.size())));
+        for (int guard = 0; location >= 0 && guard < 50; ++guard) {
+            location = reference(field(module_.metadata(location), "inlinedAt"));
+            if (location >= 0) ++depth;
+        }
+    }
+    if (is_memory) {
+        if (line.find("DIExpression()") == std::string_view::npos) return;
+        for (const Case& c : cases_of(found->second, *type)) variables_[c.object] = {variable, depth};
+        return;
+    }
+    std::size_t from = 0;
+    if (line.find("DIExpression()") == std::string_view::npos) {
+        constexpr std::string_view fragment = "DIExpression(DW_OP_LLVM_fragment, ";
+        const std::size_t begin = line.find(fragment);
+        if (begin == std::string_view::npos) return;
+        const std::string_view digits = line.substr(begin + fragment.size());
+        std::from_chars(digits.data(), digits.data() + digits.size(), from);
+        from /= 8;
+    }
+    name_value(state, variable, found->second, from, depth);
+}
+
+}  // namespace lostbits::intersect::function

@@ -1,0 +1,185 @@
+// Operands of instructions: registers, constants and addresses.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+#include "intersect/function/walk_parts.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::function {
+
+// Operands
+
+NodeId Walk::literal(const Type& type, Cursor& at) {
+    const std::string_view text = at.rest();
+    std::size_t n = 0;
+    while (n < text.size() && (std::isalnum(static_cast<unsigned char>(text[n])) != 0 || text[n] == '.' ||
+                               text[n] == '-' || text[n] == '+'))
+        ++n;
+    const std::string_view digits = text.substr(0, n);
+    at = Cursor(text.substr(n));
+    double x = 0;
+    if (digits.starts_with("0x")) {
+        std::uint64_t bits = 0;
+        const auto [end, error] = std::from_chars(digits.data() + 2, digits.data() + digits.size(), bits, 16);
+        if (error != std::errc() || end != digits.data() + digits.size()) at.fail("a number is unknown");
+        x = std::bit_cast<double>(bits);
+    } else {
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+        if (error != std::errc() || end != digits.data() + digits.size()) at.fail("a number is unknown");
+    }
+    if (type.bits < nodes_.bits()) fail("a function of double that computes in float inside is not followed");
+    return nodes_.constant(x, type.bits > nodes_.bits());
+}
+
+Value Walk::address_of(State& state, const std::string& name) {
+    const auto [known, is_new] = global_objects_.try_emplace(name, 0);
+    if (is_new) {
+        known->second = new_object(state, false);
+        const int object = known->second;
+        if (const auto global = module_.globals.find(name); global != module_.globals.end()) {
+            global_memory_[object] = {};
+            if (!global->second.value.empty()) {
+                Cursor at(global->second.value);
+                Value initial = constant(state, *global->second.type, at);
+                global_memory_[object] = std::move(initial);
+            }
+        } else {
+            functions_[object] = name;
+        }
+    }
+    return whole({{yes, known->second, 0}}, 8);
+}
+
+/// `(TYPE, ptr BASE, i64 0, i32 1)`, of an instruction or in a constant.
+Value Walk::element_address(State& state, Cursor& at) {
+    skip_flags(at);
+    if (at.take("inrange")) at.group();
+    const bool is_constant = at.take("(");
+    const Type* type = module_.type(at);
+    at.expect(",");
+    const Type* const pointer = module_.type(at);
+    if (pointer->is_vector) fail("vectors of addresses are not followed");
+    std::vector<Case> all = cases_of(value(state, *pointer, at), *pointer);
+    for (bool first = true; at.take(","); first = false) {
+        if (at.peek() == '!') break;
+        at.take("inrange");
+        const Type* const index_type = module_.type(at);
+        const std::vector<Case> index = cases_of(value(state, *index_type, at), *index_type);
+        if (!first && type->kind == Type::Kind::structure) {
+            std::size_t offset = 0;
+            const Type* const part = index.size() == 1 && index[0].value >= 0
+                                         ? type->part(static_cast<std::size_t>(index[0].value), offset)
+                                         : nullptr;
+            if (part == nullptr) fail("an address is outside of its type");
+            for (Case& c : all) c.value += static_cast<std::int64_t>(offset);
+            type = part;
+            continue;
+        }
+        if (!first) {
+            if (type->kind != Type::Kind::sequence) fail("an address is outside of its type");
+            type = type->parts[0];
+        }
+        std::vector<Case> more;
+        for (const Case& a : all)
+            for (const Case& i : index)
+                more.push_back({nodes_.both(a.when, i.when), a.object,
+                                static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) +
+                                                          static_cast<std::uint64_t>(i.value) * type->size)});
+        all = distinct(std::move(more));
+    }
+    if (is_constant) at.expect(")");
+    return whole(std::move(all), 8);
+}
+
+Value Walk::constant(State& state, const Type& type, Cursor& at) {
+    struct Nesting {
+        int& depth;
+        explicit Nesting(int& d) : depth(d) { ++depth; }
+        ~Nesting() { --depth; }
+        Nesting(const Nesting&) = delete;
+        Nesting& operator=(const Nesting&) = delete;
+    } const nesting(nesting_);
+    if (nesting_ > 100) at.fail("a constant is nested too deeply");
+    const char c = at.peek();
+    if (c == '@') {
+        at.expect("@");
+        return address_of(state, at.name());
+    }
+    if (c == '{' || c == '[' || c == '<') {
+        Cursor inside(at.group());
+        const bool packed = c == '<' && inside.peek() == '{';
+        if (packed) inside = Cursor(inside.group());
+        Value all;
+        for (std::size_t k = 0; !inside.at_end(); ++k) {
+            const Type* const part_type = module_.type(inside);
+            std::size_t offset = 0;
+            const Type* const part = type.part(k, offset);
+            if (part == nullptr || part->size != part_type->size) inside.fail("a constant has another type");
+            put(all, offset, part->size, value(state, *part, inside));
+            if (!inside.take(",")) break;
+        }
+        return all;
+    }
+    if (at.take("zeroinitializer") || at.take("null")) return zero(type);
+    if (at.take("undef") || at.take("poison") || at.take("none")) return {};
+    if (at.take("true")) return integer(1, type);
+    if (at.take("false")) return integer(0, type);
+    if (at.take("splat")) {
+        Cursor inside(at.group());
+        const Type* const lane = module_.type(inside);
+        const Value one = value(state, *lane, inside);
+        return each_lane(type, [&](const Type&, std::size_t) { return one; });
+    }
+    if (at.take("getelementptr")) return element_address(state, at);
+    for (const char* const op : {"bitcast", "inttoptr", "ptrtoint", "addrspacecast", "trunc", "zext"}) {
+        if (!at.take(op)) continue;
+        Cursor inside(at.group());
+        return converted(state, op, inside);
+    }
+    if (at.rest().starts_with("c\"")) {
+        at.expect("c");
+        const std::string text = at.name();
+        Value all;
+        std::size_t k = 0;
+        for (std::size_t i = 0; i < text.size() && k < type.count; ++i, ++k) {
+            int byte = static_cast<unsigned char>(text[i]);
+            if (text[i] == '\\' && i + 2 < text.size()) {
+                std::from_chars(text.data() + i + 1, text.data() + i + 3, byte, 16);
+                i += 2;
+            }
+            put(all, k, 1, whole({{yes, 0, static_cast<signed char>(byte)}}, 1));
+        }
+        return all;
+    }
+    if (type.kind == Type::Kind::number) return number(literal(type, at));
+    if (type.kind == Type::Kind::integer) {
+        if (type.bits > 64) fail("integers of more than 64 bits are not followed");
+        Cursor text = at;
+        const std::string_view digits = at.word();
+        std::int64_t x = 0;
+        std::uint64_t u = 0;
+        const char* const end = digits.data() + digits.size();
+        if (std::from_chars(digits.data(), end, x).ptr != end) x = 0;
+        else return integer(wrapped(static_cast<std::uint64_t>(x), type.bits), type);
+        if (digits.empty() || std::from_chars(digits.data(), end, u).ptr != end) text.fail("a constant is unknown");
+        return integer(wrapped(u, type.bits), type);
+    }
+    at.fail("a constant is unknown");
+}
+
+Value Walk::value(State& state, const Type& type, Cursor& at) {
+    if (at.rest().size() > 2'000'000) at.fail("a line is too long");
+    module_.skip_attributes(at);
+    if (at.take("%")) {
+        const std::string name = at.name();
+        const auto found = state.registers.find(name);
+        if (found == state.registers.end()) fail("the LLVM IR uses %" + name + ", which is not set here");
+        return found->second;
+    }
+    return constant(state, type, at);
+}
+
+}  // namespace lostbits::intersect::function
