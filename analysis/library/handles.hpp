@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -17,6 +18,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "analysis/library/lostbits.h"
@@ -24,9 +26,11 @@
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/doors/written_formula.hpp"
 #include "intersect/process/floating_point.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis::library {
@@ -72,6 +76,37 @@ private:
     const std::vector<const measure::metric::Metric*>& metrics_;
 };
 
+/// Primitives, and the triangles of meshes after them; `mesh` may be null.
+scene::rays::SolidList<double> solid_list(std::vector<Solid<double>> solids,
+                                          std::shared_ptr<const scene::rays::MeshColumns> mesh);
+
+/// The primitives of a scene in the numbers of a format, and the index that finds those that a ray can meet.
+class StoredScene {
+public:
+    StoredScene(const scene::file::Scene& scene, const FloatFormat& format);
+    /// Made on first use. Several threads may ask at once.
+    [[nodiscard]] const measure::culling::Culler& culler() const;
+
+    std::vector<Solid<double>> beside_mesh;
+    std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< its triangles come after the others; null: no mesh
+
+private:
+    mutable std::once_flag made_;
+    mutable std::optional<measure::culling::Culler> culler_;
+};
+
+/// Stored scenes with a mesh that calls have made, kept until the scene changes: an index over a million triangles
+/// takes a second. Several threads may ask at once.
+class StoredScenes {
+public:
+    std::shared_ptr<const StoredScene> in(const scene::file::Scene& scene, const FloatFormat& format);
+    void forget() { made_.clear(); }
+
+private:
+    std::mutex making_;
+    std::map<std::tuple<int, int, int>, std::shared_ptr<const StoredScene>> made_;  ///< by the numbers of the format
+};
+
 }  // namespace lostbits::analysis::library
 
 struct lostbits_result {
@@ -89,6 +124,9 @@ struct lostbits_scene {
     lostbits::scene::file::Scene scene;
     std::string named;     ///< its arguments for `lostbits explain`; empty if the command line cannot name it
     bool has_own = false;  ///< its primitives came as arrays; those that it was read with are removed
+    /// Calls that change the scene forget them.
+    std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
+        std::make_unique<lostbits::analysis::library::StoredScenes>();
 };
 
 struct lostbits_form {

@@ -32,6 +32,7 @@ struct GivenRays {
     /// Empty without a mesh: each ray has its own primitive.
     std::vector<Solid<double>> solids = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles come after `solids`; null: no mesh
+    std::shared_ptr<const StoredScene> stored = {};             ///< if they come from a scene
     Shape shape{};                                              ///< of the first primitive
     [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
 };
@@ -134,8 +135,9 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
-        made.solids = scene::rays::stored_beside_mesh(rays.scene->scene, format.parameters);
-        made.mesh = scene::rays::stored_mesh(rays.scene->scene, format.parameters);
+        made.stored = rays.scene->stored->in(rays.scene->scene, format.parameters);
+        made.solids = made.stored->beside_mesh;
+        made.mesh = made.stored->mesh;
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
@@ -247,12 +249,10 @@ template <class Act>
 void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t many, const Act& act) {
     constexpr std::size_t piece = 8192;
     const auto advance = running.advancing(count);
-    std::optional<measure::culling::Culler> of_all;
-    if (all.mesh || all.solids.size() >= many) {
-        RayGroup solids;
-        solids.solids = all.solids, solids.mesh = all.mesh;
-        of_all.emplace(scene::rays::solid_list_of(solids));
-    }
+    std::optional<measure::culling::Culler> made;
+    const measure::culling::Culler* of_all = nullptr;
+    if (all.mesh || all.solids.size() >= many)
+        of_all = all.stored ? &all.stored->culler() : &made.emplace(solid_list(all.solids, all.mesh));
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
         scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});
@@ -388,21 +388,18 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
     csv.add(edges.duplicates).end_row();
 }
 
-std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lostbits_array& points, std::size_t count,
-                                                  CallRun& running) {
+std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
+                                                  std::size_t count, CallRun& running) {
     if (points.data == nullptr) throw InputError("points: there is no array; give three numbers a point");
     require_reach(points, count, 3, "points");
-    const auto mesh = scene::rays::stored_mesh(scene, binary64);
-    if (!mesh || !scene::rays::stored_beside_mesh(scene, binary64).empty())
+    const auto stored = scene.stored->in(scene.scene, binary64);
+    if (!stored->mesh || !stored->beside_mesh.empty())
         throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     const Format format = *find_format("f64");
     std::vector<ArrayColumn> columns;
     put_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
-    RayGroup group;
-    group.mesh = mesh;
-    const auto solids = scene::rays::solid_list_of(group);
-    const measure::culling::Culler culler(solids);
     std::vector<measure::crossing::PointInMesh> found(count);
+    const measure::crossing::Triangles triangles{stored->culler().shared(), stored->culler().for_truth()};
     const auto advance = running.advancing(count);
     constexpr std::size_t piece = 1024;
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
@@ -412,7 +409,7 @@ std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lost
             for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
             if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
                 throw InputError("point " + std::to_string(i) + " has a number that is not finite");
-            found[i] = measure::crossing::place_in_mesh(point, {solids, culler.for_truth()}, {.stop = running.stop()});
+            found[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = running.stop()});
         }
         advance(n);
     });
@@ -429,7 +426,7 @@ std::unique_ptr<lostbits_result> places_of_points(const Scene& scene, const lost
         table.columns[2].numbers.push_back(one.on_surface ? 1 : 0);
         table.columns[3].numbers.push_back(one.is_resolved ? 1 : 0);
     }
-    add_edges(scene::triangle::count_edges(mesh->mesh(), running.stop()), *result);
+    add_edges(stored->mesh->mesh().edges, *result);
     return result;
 }
 
@@ -443,6 +440,7 @@ int call(lostbits_result** result, lostbits_error* error, const lostbits_rays* r
 }
 
 }  // namespace
+
 }  // namespace lostbits::analysis::library
 
 using namespace lostbits::analysis::library;
@@ -489,7 +487,7 @@ int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, s
         require(points, "points");
         require(result, "result");
         CallRun running(run);
-        return hand_over(places_of_points(scene->scene, *points, count, running), result);
+        return hand_over(places_of_points(*scene, *points, count, running), result);
     });
 }
 }

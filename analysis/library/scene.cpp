@@ -34,8 +34,9 @@ std::string data_of(const lostbits_where& where) {
     return selection::data_folder(where.data ? where.data : "").string();
 }
 
-/// Removes the primitives that the scene was read with, once.
+/// Removes the primitives that the scene was read with, once. Call it before primitives are added.
 void make_room(lostbits_scene& scene) {
+    scene.stored->forget();
     if (scene.has_own) return;
     scene.has_own = true;
     scene.named.clear();
@@ -225,6 +226,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         require(scene, "scene");
         require(matrix, "matrix");
         Scene& of = scene->scene;
+        scene->stored->forget();
         if (of.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
         const bool shared = of.inputs == scene::file::Inputs::shared;
         std::array<double, Affine<double>::numbers> numbers;

@@ -15,6 +15,7 @@
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/contract/probe.hpp"
+#include "measure/tape/contraction.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace test_contract {
@@ -101,7 +102,7 @@ TEST_CASE("contract: every form of the catalogue does as it says under another n
         {"cylinder.framed", {"t", "behind"}},           // the same
         {"capsule.quilez", {"t"}},                      // the same
         {"cone.quilez", {"touching", "at-origin"}},     // caps are met from below and above alone, without their rims
-        {"cone.embree", no_touch},                      // without rims
+        {"cone.embree", {"touching", "edges"}},         // without rims
         {"plane.quotient", within},                     // a quotient by 0 is infinite, and not below 0
         {"plane.stored_distance", within},
         {"plane.two_words", within},
@@ -247,6 +248,101 @@ TEST_CASE("contract: answers that change each time say nothing of batches, solid
     CHECK(judged.contains("again"));
     CHECK(noted);
     for (const char* subject : {"batches", "solids", "threads"}) CHECK_FALSE(judged.contains(subject));
+}
+
+namespace {
+
+/// The one finding of the probe `edges`.
+Observation edges_of(const ForeignForm& form) {
+    std::vector<Observation> found;
+    for (const Observation& f : try_contract(form))
+        if (f.subject == "edges") found.push_back(f);
+    REQUIRE(found.size() == 1);
+    return found.front();
+}
+
+/// Loses rays whose first point is nearer than a thousandth to a place.
+template <class Near>
+ForeignForm losing(Shape shape, const Near& near) {
+    return solved_by(shape, [near](const Ray<double>& ray, const Solid<double>& solid) {
+        const Found t = right(ray, solid);
+        return t && near(ray.origin + *t * ray.direction, solid) ? Found() : t;
+    });
+}
+
+const intersect::table::Intersector& row_named(std::string_view name) {
+    return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });
+}
+
+}  // namespace
+
+TEST_CASE("contract: what is lost where the parts of a surface meet is found, and where", "[doors]") {
+    using enum Observation::Verdict;
+    const auto at_rim = [](const Vec<double>& p, const Solid<double>& solid) {
+        const Cylinder<double> c = solid.cylinder();
+        const Vec<double> axis = c.top - c.base;
+        const double u = dot(p - c.base, axis) / square(axis), r = length(p - (c.base + u * axis));
+        return std::min(std::fabs(u), std::fabs(1 - u)) < 1e-3 && std::fabs(r / c.radius - 1) < 1e-3;
+    };
+    const Observation rim = edges_of(losing(Shape::cylinder, at_rim));
+    CHECK(rim.verdict == broken);
+    CHECK(rim.words.find("aimed at its rim") != std::string::npos);
+
+    const auto at_apex = [](const Vec<double>& p, const Solid<double>& solid) {
+        const Cone<double> c = solid.cone();
+        return c.top_radius == 0 && length(p - c.top) < 1e-3 * c.base_radius;
+    };
+    CHECK(edges_of(losing(Shape::cone, at_apex)).words.find("aimed at its apex") != std::string::npos);
+
+    const auto at_corner = [](const Vec<double>& p, const Solid<double>& solid) {
+        const Box<double> b = solid.box();
+        int ends = 0;
+        for (int k = 0; k < 3; ++k) ends += std::min(std::fabs(p[k] - b.lo[k]), std::fabs(p[k] - b.hi[k])) < 1e-3;
+        return ends == 3;
+    };
+    const Observation corner = edges_of(losing(Shape::box, at_corner));
+    CHECK(corner.verdict == broken);
+    CHECK(corner.words.find("aimed at its corner") != std::string::npos);
+
+    const auto at_vertex = [](const Vec<double>& p, const Solid<double>& solid) {
+        const Triangle<double> t = solid.triangle();
+        return std::min({length(p - t.a), length(p - t.b), length(p - t.c)}) < 1e-3 * t.unit();
+    };
+    const Observation vertex = edges_of(losing(Shape::triangle, at_vertex));
+    CHECK(vertex.verdict == told);
+    CHECK(vertex.words.find("at a vertex of triangles") != std::string::npos);
+}
+
+TEST_CASE("contract: the first scale that fails is named", "[doors]") {
+    using enum Observation::Verdict;
+    for (const Shape shape : {Shape::capsule, Shape::disc, Shape::triangle, Shape::torus}) {
+        const auto with_epsilon = [](const Ray<double>& ray, const Solid<double>& solid) {
+            const Found t = right(ray, solid);
+            return t && *t < 0x1p-40 ? Found() : t;
+        };
+        const Observation found = edges_of(solved_by(shape, with_epsilon));
+        INFO(row_of(shape).name << ": " << found.words);
+        CHECK(found.verdict == told);
+        CHECK(found.words.find("the first of nine scales that fails is 2^-45") != std::string::npos);
+    }
+    CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);
+}
+
+TEST_CASE("contract: contraction makes cracks in a watertight test", "[doors]") {
+    using enum Observation::Verdict;
+    const Observation filtered = edges_of(renamed(row_named("triangle.filtered"), 32));
+    INFO(filtered.words);
+    CHECK(filtered.words.starts_with("no ray passes"));
+    const auto passing = [](const intersect::table::Intersector& row) {
+        const Observation found = edges_of(renamed(row, 32));
+        INFO(found.words);
+        CHECK(found.verdict == told);
+        return found.words.starts_with("no ray") ? 0 : std::stoi(found.words);
+    };
+    const auto& woop = row_named("triangle.woop");
+    CHECK(passing(woop) <= 1);  // 3e5 edges away, where a vertex is rounded by a hundredth of an edge
+    CHECK(passing(measure::tape::contracted_row(woop)) >= 10);
+    CHECK(edges_of(renamed(row_named("triangle.undivided"), 64)).verdict == told);
 }
 
 TEST_CASE("contract: ten wrong forms of each shape are found", "[doors]") {

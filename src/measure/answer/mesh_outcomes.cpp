@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "measure/answer/owners.hpp"
-#include "number/real.hpp"
-#include "shapes/lift.hpp"
+#include "measure/crossing/mesh_crossings.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::measure::answer {
@@ -15,24 +14,6 @@ namespace lostbits::measure::answer {
 using truth::Truth;
 
 namespace {
-
-/// Position of a line at the plane of a triangle of a mesh, by the signs of the exact polynomials in 256 bits.
-struct Passing {
-    int facing = 0;      ///< 1: crossed from the front; −1: from the back; 0: the line lies in the plane
-    Vec<Real> inside{};  ///< distance inside the edges opposite to a, b and c, up to one factor; absent if facing is 0
-};
-
-Passing passing_of(const Ray<double>& ray, const Solid<double>& triangle) {
-    return in_its_space<Triangle>(
-        lift_ray<Real>(ray), lift_solid<Real>(triangle), [](const auto& shape, const Ray<Real>& its) {
-            const FlatSpan<Real> span = shape.span(its);
-            if (span.at.m == 0) return Passing{};
-            const Vec<Real> w = shape.weights(its);  // over an edge's length: the height above it, over the same area
-            return Passing{span.front ? 1 : -1,
-                           {w.x / length(Vec<Real>(shape.c - shape.b)), w.y / length(Vec<Real>(shape.a - shape.c)),
-                            w.z / length(Vec<Real>(shape.b - shape.a))}};
-        });
-}
 
 /// Primitives of one ray, by their triangles of the mesh.
 class RayAtMesh {
@@ -81,15 +62,18 @@ private:
     }
     [[nodiscard]] bool lets_light_through(std::int32_t truly) const {
         return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
-               !is_beside_border(face(truly), passing(truly));
+               !is_beside_border(truly);
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
     }
-    [[nodiscard]] Passing passing(std::int32_t solid) const {
-        return passing_of(of_.inputs.rays[ray_], of_.inputs.solids[static_cast<std::size_t>(solid)]);
+    [[nodiscard]] Solid<double> triangle(std::int32_t solid) const {
+        return of_.inputs.solids[static_cast<std::size_t>(solid)];
     }
-    [[nodiscard]] Crossed crossed(std::int32_t solid) const { return {solid, truth_at(solid), passing(solid).facing}; }
+    [[nodiscard]] Crossed crossed(std::int32_t solid) const { return {solid, truth_at(solid), facing(solid)}; }
+    [[nodiscard]] int facing(std::int32_t solid) const {
+        return crossing::facing_of(of_.inputs.rays[ray_], triangle(solid)).value_or(0);
+    }
     /// True if two triangles are one crossing of the surface: they face to one side, or one is seen edge-on; and the
     /// ray meets both at the same t, or it does not meet both and they share a vertex.
     [[nodiscard]] bool is_one_crossing(const Crossed& a, const Crossed& b) const {
@@ -115,18 +99,13 @@ private:
                    return here.is_hit() && compare(here.t, there.t) < 0;
                });
     }
-    /// True if the edge that the line passes nearest to belongs to one face alone.
-    [[nodiscard]] bool is_beside_border(std::size_t one, const Passing& by) const {
+    /// True if an edge that the line passes nearest to belongs to one face alone.
+    [[nodiscard]] bool is_beside_border(std::int32_t truly) const {
+        const std::size_t one = face(truly);
         if (!mesh_.has_border(one)) return false;
-        const Real nearest = min(min(by.inside.x, by.inside.y), by.inside.z);
+        const unsigned nearest = crossing::nearest_edges(of_.inputs.rays[ray_], triangle(truly));
         for (std::size_t k = 0; k < 3; ++k)
-            if (by.facing == 0 || by.inside[static_cast<int>(k)] == nearest) {
-                const auto has = [&](const scene::triangle::Face& f) {
-                    return std::ranges::count(f, mesh_.faces[one][(k + 1) % 3]) != 0 &&
-                           std::ranges::count(f, mesh_.faces[one][(k + 2) % 3]) != 0;
-                };
-                if (std::ranges::count_if(mesh_.faces, has) == 1) return true;
-            }
+            if ((nearest >> k & 1U) != 0 && mesh_.is_border(one, k)) return true;
         return false;
     }
     /// Number of crossings of the surface at some of its triangles. Triangles that are one crossing with another one
@@ -165,7 +144,7 @@ private:
             if (!in_mesh(solid)) continue;
             const Truth truth = truth_at(solid);
             if (of_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
-            const Crossed one{solid, truth, passing(solid).facing};
+            const Crossed one{solid, truth, facing(solid)};
             if (of_.answers.claimed[pair] != 0) claimed.push_back(one);
             if (truth.is_hit()) met.push_back(one);
         }

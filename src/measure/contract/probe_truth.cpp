@@ -5,32 +5,12 @@
 #include <cmath>
 #include <tuple>
 
-#include "measure/contract/trial.hpp"
+#include "measure/contract/random_questions.hpp"
 
 namespace lostbits::measure::contract {
 namespace {
 
 using intersect::Direction;
-
-/// Random numbers from -1 to 1, the same on every machine.
-class Random {
-public:
-    double operator()() {
-        state_ = state_ * 1664525U + 1013904223U;
-        return static_cast<double>(state_ >> 8) / 0x1p23 - 1;
-    }
-    double between(double low, double high) { return low + (high - low) * ((*this)() + 1) / 2; }
-    Vec<double> vector() { return {(*this)(), (*this)(), (*this)()}; }
-    Vec<double> unit() {
-        for (;;) {
-            const Vec<double> v = vector();
-            if (const double l = length(v); l > 0.125 && l < 1) return (1 / l) * v;
-        }
-    }
-
-private:
-    std::uint32_t state_ = 1;
-};
 
 /// Power of two up to which sizes are tested. Usual code multiplies four lengths for round shapes, flat shapes and
 /// boxes, and up to ten for others. Beyond this power numbers under- or overflow, which is not the fault of an epsilon.
@@ -53,16 +33,88 @@ std::vector<Question> of_size(Shape shape, double size) {
     return all;
 }
 
-/// True for shapes with an axis, which may lie along x, y or z, or at an angle.
+/// A method of aiming rays.
+struct Aim {
+    const char* words;
+    Question (*make)(const Solid<double>& solid, RandomNumbers& random);
+};
+
+Vec<double> point_of(const Solid<double>& solid, RandomNumbers& random) {
+    const Vec<double> u{random.between(0, 1), random.between(0, 1), random.between(0, 1)};
+    return visit(solid, [&u](const auto& shape) { return shape.point_at(u); });
+}
+Vec<double> middle_of(const Solid<double>& solid) {
+    return visit(solid, [](const auto& shape) { return shape.middle(); });
+}
+
+constexpr Aim aims[]{
+    {"at it",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const Vec<double> d = random.unit();
+         return question_of(point_of(solid, random) - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"at its middle",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(solid) * random.vector();
+         return question_of(middle_of(solid) + aside - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"from around its middle",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const Vec<double> m = middle_of(solid), p = point_of(solid, random);
+         const double share = random.between(0, 1);
+         return question_of(m + share * (p - m), random.unit(), solid);
+     }},
+    {"past it",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const Vec<double> m = middle_of(solid), d = random.unit(), p = point_of(solid, random);
+         const Vec<double> at = m + random.between(1, 2.5) * (p - m);
+         return question_of(at - 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"away from it",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const Vec<double> d = random.unit();
+         return question_of(point_of(solid, random) + 4 * half_extent_of(solid) * d, d, solid);
+     }},
+    {"along an axis",
+     [](const Solid<double>& solid, RandomNumbers& random) {
+         const double half = half_extent_of(solid);
+         Vec<double> d{0, 0, 0}, from = middle_of(solid) + 1.5 * half * random.vector();
+         const int axis = static_cast<int>(random.between(0, 2.999));
+         d[axis] = random() < 0 ? -1 : 1;
+         from[axis] -= 4 * half * d[axis];
+         return question_of(from, d, solid);
+     }},
+};
+
+/// Rays of one method of aiming, at primitives as in scenes, and at the one with numbers 0 and 2.
+std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
+    RandomNumbers random;
+    std::vector<Question> all;
+    for (int i = 0; i < 320 && all.size() < 96; ++i) {
+        const Solid<double> solid =
+            i % 4 == 0 ? solid_around<double>(trial.shape, {0, 0, 0}, 2) : random_solid(trial.shape, upright, random);
+        Question q = aim.make(solid, random);
+        if (trial.contract.direction == Direction::any && i % 2 == 1)
+            for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
+        if (is_benign(trial, q, random)) all.push_back(q);
+    }
+    return all;
+}
+
+std::string words_about(const Wrong& found, const Aim& aim) {
+    return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
+           " are answered wrongly, none of them near an edge; the first: " + found.first;
+}
+
+}  // namespace
+
 bool has_axis(Shape shape) {
     return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
         return key.kind == Key::Kind::direction || key.limit == Key::Limit::apart_from_before;
     });
 }
 
-/// A primitive of random position and shape, in numbers that floats can represent. An upright one has its axis along x,
-/// y or z.
-Solid<double> random_solid(Shape shape, bool upright, Random& random) {
+Solid<double> random_solid(Shape shape, bool upright, RandomNumbers& random) {
     for (;;) {
         const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
         const Vec<double> centre = 4.0 * random.vector();
@@ -103,12 +155,11 @@ double half_extent_of(const Solid<double>& solid) {
     return std::min(visit(solid, [](const auto& shape) { return shape.half_extent(); }), 4.0);
 }
 
-/// True if small changes of the ray change the answer only a little. Every usual formula then gets it right.
-bool is_benign(const Trial& trial, const Question& q, Random& random) {
+bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes) {
     const HitOrMiss right = trial.truth(q);
     const double size = half_extent_of(solid_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < changes; ++i) {
         Question near = q;
         for (std::size_t k = 0; k < 3; ++k) near.ray[k] += 0x1p-5 * size * random();
         for (std::size_t k = 3; k < 6; ++k) near.ray[k] += 0x1p-6 * length * random();
@@ -118,62 +169,12 @@ bool is_benign(const Trial& trial, const Question& q, Random& random) {
     return true;
 }
 
-/// A method of aiming rays.
-struct Aim {
-    const char* words;
-    Question (*make)(const Solid<double>& solid, Random& random);
-};
-
-Vec<double> point_of(const Solid<double>& solid, Random& random) {
-    const Vec<double> u{random.between(0, 1), random.between(0, 1), random.between(0, 1)};
-    return visit(solid, [&u](const auto& shape) { return shape.point_at(u); });
-}
-Vec<double> middle_of(const Solid<double>& solid) {
-    return visit(solid, [](const auto& shape) { return shape.middle(); });
-}
-
-constexpr Aim aims[]{
-    {"at it",
-     [](const Solid<double>& solid, Random& random) {
-         const Vec<double> d = random.unit();
-         return question_of(point_of(solid, random) - 4 * half_extent_of(solid) * d, d, solid);
-     }},
-    {"at its middle",
-     [](const Solid<double>& solid, Random& random) {
-         const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(solid) * random.vector();
-         return question_of(middle_of(solid) + aside - 4 * half_extent_of(solid) * d, d, solid);
-     }},
-    {"from around its middle",
-     [](const Solid<double>& solid, Random& random) {
-         const Vec<double> m = middle_of(solid), p = point_of(solid, random);
-         const double share = random.between(0, 1);
-         return question_of(m + share * (p - m), random.unit(), solid);
-     }},
-    {"past it",
-     [](const Solid<double>& solid, Random& random) {
-         const Vec<double> m = middle_of(solid), d = random.unit(), p = point_of(solid, random);
-         const Vec<double> at = m + random.between(1, 2.5) * (p - m);
-         return question_of(at - 4 * half_extent_of(solid) * d, d, solid);
-     }},
-    {"away from it",
-     [](const Solid<double>& solid, Random& random) {
-         const Vec<double> d = random.unit();
-         return question_of(point_of(solid, random) + 4 * half_extent_of(solid) * d, d, solid);
-     }},
-    {"along an axis",
-     [](const Solid<double>& solid, Random& random) {
-         const double half = half_extent_of(solid);
-         Vec<double> d{0, 0, 0}, from = middle_of(solid) + 1.5 * half * random.vector();
-         const int axis = static_cast<int>(random.between(0, 2.999));
-         d[axis] = random() < 0 ? -1 : 1;
-         from[axis] -= 4 * half * d[axis];
-         return question_of(from, d, solid);
-     }},
-};
-
 std::string numbers_text(std::span<const double> numbers) {
     std::string words;
-    for (const double x : numbers) words += (words.empty() ? "" : ",") + fmt::format("{:.9g}", x);
+    for (const double x : numbers) {
+        const bool is_float = static_cast<double>(static_cast<float>(x)) == x;
+        words += (words.empty() ? "" : ",") + (is_float ? fmt::format("{:.9g}", x) : fmt::format("{}", x));
+    }
     return words;
 }
 
@@ -181,50 +182,39 @@ std::string words_of(const Trial& trial, const HitOrMiss& d) {
     return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
 }
 
-/// Rays of one method of aiming, at primitives as in scenes, and at the one with numbers 0 and 2.
-std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
-    Random random;
-    std::vector<Question> all;
-    for (int i = 0; i < 320 && all.size() < 96; ++i) {
-        const Solid<double> solid =
-            i % 4 == 0 ? solid_around<double>(trial.shape, {0, 0, 0}, 2) : random_solid(trial.shape, upright, random);
-        Question q = aim.make(solid, random);
-        if (trial.contract.direction == Direction::any && i % 2 == 1)
-            for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
-        if (is_benign(trial, q, random)) all.push_back(q);
-    }
-    return all;
+Question scaled_by(const Question& q, Shape shape, int power) {
+    Question to = q;
+    for (std::size_t k = 0; k < 3; ++k) to.ray[k] = std::ldexp(q.ray[k], power);
+    std::ranges::copy(scaled(solid_of(q, shape), std::ldexp(1.0, power)).used(), to.solid.begin());
+    return to;
 }
 
-/// Number of wrong answers among some rays, and a description of the first.
-struct Wrong {
-    std::size_t asked = 0, wrong = 0;
-    std::string first = {};
+std::vector<Known> with_truth(const Trial& trial, const std::vector<Question>& questions) {
+    std::vector<Known> rays;
+    for (const Question& q : questions) rays.push_back({q, trial.truth(q)});
+    return rays;
+}
 
-    Wrong(const Trial& trial, const std::vector<Question>& questions) : asked(questions.size()) {
-        const std::vector<Reply> replies = ask(trial.form, questions);
-        for (std::size_t i = 0; i < asked; ++i) {
-            const Question q = from_its_side(questions[i], trial.contract);
-            const HitOrMiss right = truth_by(trial.contract, q), taken = taken_by(trial.contract, replies[i], q);
-            const double tolerance = 0x1p-5 * half_extent_of(solid_of(q, trial.shape)) / length(ray_of(q).direction);
-            if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
-                continue;
-            if (wrong++ > 0) continue;
-            first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-                    numbers_text(std::span(q.solid).first(row_of(trial.shape).numbers)) + ": " +
-                    words_of(trial, right) + " is right, it answers " + words_of(trial, taken);
-        }
+Wrong::Wrong(const Trial& trial, const std::vector<Known>& rays, int power) : asked(rays.size()) {
+    std::vector<Question> questions;
+    for (const Known& one : rays) questions.push_back(scaled_by(one.question, trial.shape, power));
+    const std::vector<Reply> replies = ask(trial.form, questions);
+    for (std::size_t i = 0; i < asked; ++i) {
+        const auto& [plain, right] = rays[i];
+        HitOrMiss taken = taken_by(trial.contract, replies[i], questions[i]);
+        taken.t = std::ldexp(taken.t, -power);
+        const double tolerance =
+            0x1p-5 * half_extent_of(solid_of(plain, trial.shape)) / length(ray_of(plain).direction);
+        if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
+            continue;
+        if (wrong++ > 0) continue;
+        const Question q = from_its_side(questions[i], trial.contract);
+        const auto words = [&](const HitOrMiss& of) { return words_of(trial, {of.hit, std::ldexp(of.t, power)}); };
+        first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
+                numbers_text(std::span(q.solid).first(row_of(trial.shape).numbers)) + ": " + words(right) +
+                " is right, it answers " + words(taken);
     }
-    /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
-    /// enough.
-    [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
-    [[nodiscard]] std::string words(const Aim& aim) const {
-        return std::to_string(wrong) + " of " + std::to_string(asked) + " rays " + aim.words +
-               " are answered wrongly, none of them near an edge; the first: " + first;
-    }
-};
-
-}  // namespace
+}
 
 void try_scale(Trial& trial) {
     const auto answer_at = [&trial](std::size_t i, double size) {
@@ -265,12 +255,12 @@ void try_rays(Trial& trial) {
         for (const Aim& aim : aims) {
             const std::vector<Question> questions = aimed(trial, aim, upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
-            const Wrong found(trial, questions);
+            const Wrong found(trial, with_truth(trial, questions));
             asked += found.asked;
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);
-            if (found.is_many() && !oblique) return trial.broken(found.words(aim));
-            trial.told(found.words(aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            if (found.is_many() && !oblique) return trial.broken(words_about(found, aim));
+            trial.told(words_about(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (oblique) return;
         }
     }

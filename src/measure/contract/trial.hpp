@@ -23,7 +23,7 @@
 
 namespace lostbits::measure::contract {
 
-/// One ray and one primitive, in numbers that binary32 represents.
+/// One ray and one primitive, in numbers of the format of the form.
 struct Question {
     std::array<double, 6> ray;               ///< origin and direction
     std::array<double, most_numbers> solid;  ///< as in `Solid::numbers`
@@ -248,5 +248,7 @@ void try_close(Trial& trial);
 /// Probes that compare with the truth on many rays (probe_truth.cpp).
 void try_scale(Trial& trial);
 void try_rays(Trial& trial);
+/// Probes with rays at places where parts of a surface meet (probe_edges.cpp).
+void try_edges(Trial& trial);
 
 }  // namespace lostbits::measure::contract

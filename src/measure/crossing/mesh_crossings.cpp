@@ -47,6 +47,30 @@ std::optional<Passage> passage(const Ray<double>& ray, const Solid<double>& tria
     return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
 }
 
+/// The height of the line's point above an edge e is v/|e|, up to the same factor, with v = ±d·(p × q) for the corners
+/// p and q of the edge relative to o. Heights compare as v |v|/e² do.
+template <class E>
+std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& ray, int facing) {
+    const std::array<Vec<E>, 3> corners{triangle.a - ray.origin, triangle.b - ray.origin, triangle.c - ray.origin};
+    std::array<E, 3> squares, lengths;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec<E>&p = corners[(k + 1) % 3], &q = corners[(k + 2) % 3];
+        const E v = dot(ray.direction, cross(p, q));
+        const auto side = sign(v);
+        if (!side) return std::nullopt;
+        squares[k] = *side == facing ? -square(v) : square(v);  // facing is the sign of −v inside
+        lengths[k] = square(Vec<E>(q - p));
+    }
+    unsigned nearest = 0b111;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const auto order = sign<E>(squares[i] * lengths[j] - squares[j] * lengths[i]);
+            if (!order) return std::nullopt;
+            if (*order != 0) nearest &= ~(1U << (*order > 0 ? i : j));
+        }
+    return nearest;
+}
+
 /// Order of the t of two crossings, −1, 0 or 1, by n/m of their spans, m > 0.
 std::optional<int> order_of_t(const Ray<double>& ray, const Solid<double>& a, const Solid<double>& b) {
     return by_rising_precision([&]<class E>() {
@@ -121,6 +145,27 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
         next.place = last.place + (order(last, next) == 0 ? 0 : 1);
     }
     return found;
+}
+
+std::optional<int> facing_of(const Ray<double>& ray, const Solid<double>& triangle) {
+    return by_rising_precision([&]<class E>() -> std::optional<int> {
+        const FlatSpan<E> span = lifted_span<E>(ray, triangle);
+        const auto steepness = sign(span.at.m);
+        if (!steepness || *steepness == 0) return steepness;
+        return span.front.is_yes() ? 1 : -1;
+    });
+}
+
+unsigned nearest_edges(const Ray<double>& ray, const Solid<double>& triangle) {
+    constexpr unsigned all = 0b111;
+    const int facing = facing_of(ray, triangle).value_or(0);
+    if (facing == 0) return all;
+    const auto found = by_rising_precision([&]<class E>() {
+        return in_its_space<Triangle>(
+            lift_ray<E>(ray), lift_solid<E>(triangle),
+            [facing](const auto& shape, const auto& its) { return find_nearest_edges<E>(shape, its, facing); });
+    });
+    return found.value_or(all);
 }
 
 PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit) {

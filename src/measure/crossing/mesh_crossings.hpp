@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "measure/culling/culling.hpp"
@@ -34,6 +35,15 @@ struct MeshCrossings {
 /// is a tie of the exact numbers. A ray in the plane of a triangle does not cross it.
 MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const Range<double>& range = {},
                            truth::TruthLimit limit = {});
+
+/// Side from which a line crosses the plane of a triangle: 1 for the front, −1 for the back, 0 if it does not cross it.
+/// Exact, by rising precision. Nothing if no precision decides.
+std::optional<int> facing_of(const Ray<double>& ray, const Solid<double>& triangle);
+
+/// Edges of a triangle that a line passes nearest to, measured in the plane of the triangle, for a line that meets it.
+/// Bit k stands for the edge opposite to corner k. Several edges may be exactly as near. All edges if the line does not
+/// cross the plane, or if no precision decides.
+unsigned nearest_edges(const Ray<double>& ray, const Solid<double>& triangle);
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {

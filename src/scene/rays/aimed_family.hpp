@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -21,12 +22,29 @@ inline Vec<double> draw_direction(Random& random) {
     }
 }
 
+/// Draws a direction of length 1 at right angles to v.
+inline Vec<double> draw_across(Random& random, const Vec<double>& v) {
+    for (;;) {
+        const Vec<double> d = draw_direction(random), across = d - (dot(d, v) / square(v)) * v;
+        if (const double size = length(across); size > 0x1p-4) return across / size;
+    }
+}
+
+/// What a ray is aimed at: a point, and the direction of the ray if it is not to come from anywhere.
+struct AimedPlace {
+    AimedPlace(const Vec<double>& at) : point(at) {}
+    AimedPlace(const Vec<double>& at, const Vec<double>& way) : point(at), along((1 / length(way)) * way) {}
+
+    Vec<double> point;
+    std::optional<Vec<double>> along;  ///< of length 1
+};
+
 /// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
 ///     static Solid<double> drawn(Random&, const Vec<double>& middle, double size)
 /// It may also say what rays can be aimed at:
 ///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
-///     static Vec<double> aimed_at(Random&, const Solid<double>&, int aim)
-/// Rays come from any direction, from `distance` sizes away.
+///     static AimedPlace aimed_at(Random&, const Solid<double>&, int aim)
+/// Rays come from any direction that the target leaves open, from `distance` sizes away.
 template <class F>
 struct AimedFamily {
     int aim = 0;
@@ -58,8 +76,9 @@ struct AimedFamily {
             RayGroup group;
             group.solids.push_back(solid);
             for (int i = 0; i < f.rays; ++i) {
-                const Vec<double> d = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
-                const Vec<double> at = F::aimed_at(random, solid, f.aim) + away;
+                const Vec<double> any = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
+                const AimedPlace target = F::aimed_at(random, solid, f.aim);
+                const Vec<double> at = target.point + away, d = target.along.value_or(any);
                 group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
             }
             return group;
@@ -67,7 +86,7 @@ struct AimedFamily {
     }
 
     /// Returns a point at random fractions of the sides of the bounding cube.
-    static Vec<double> aimed_at(Random& random, const Solid<double>& solid, int /*aim*/) {
+    static AimedPlace aimed_at(Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.unit(), y = random.unit(), z = random.unit();
         return visit(solid, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
     }

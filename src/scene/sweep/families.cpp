@@ -17,12 +17,17 @@ Drawer drawer(toml::TableReader table) {
     };
 }
 
+template <class F>
+constexpr FamilyRow row_of(Shape shape) {
+    FamilyRow row{.shape = shape, .table = F::table, .read = drawer<F>, .sets = F::sets, .timed = F::timed};
+    if constexpr (requires { F::aims; }) row.aims = F::aims, row.aimed_at = F::aimed_at;
+    return row;
+}
+
 }  // namespace
 
 std::span<const FamilyRow> families() {
-#define LOSTBITS_LINE(folder, S)                                                                         \
-    FamilyRow{shape_as<S>, folder::S##Family::table, drawer<folder::S##Family>, folder::S##Family::sets, \
-              folder::S##Family::timed},
+#define LOSTBITS_LINE(folder, S) row_of<folder::S##Family>(shape_as<S>),
     static constexpr FamilyRow rows[] = {LOSTBITS_SHAPES(LOSTBITS_LINE)};
 #undef LOSTBITS_LINE
     return rows;

@@ -6,9 +6,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "scene/rays/family_parts.hpp"
+#include "scene/rays/aimed_family.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -23,6 +24,9 @@ struct FamilyRow {
     Drawer (*read)(toml::TableReader);
     std::span<const rays::RaySet> (*sets)();  ///< the easy one first; seeded: always the same rays
     rays::HitsAndMisses (*timed)();           ///< rays of the easy kind
+    /// What rays can be aimed at, with the name of each; none for spheres and planes.
+    std::span<const std::pair<std::string_view, int>> aims = {};
+    rays::AimedPlace (*aimed_at)(rays::Random&, const Solid<double>&, int aim) = nullptr;
 };
 
 /// One row for each shape, in the order of the list.

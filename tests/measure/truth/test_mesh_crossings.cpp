@@ -16,6 +16,8 @@
 namespace lostbits::test::test_mesh_crossings {
 
 using measure::crossing::crossings_of;
+using measure::crossing::facing_of;
+using measure::crossing::nearest_edges;
 using measure::crossing::place_in_mesh;
 using measure::crossing::Triangles;
 using measure::culling::BoxTree;
@@ -173,6 +175,47 @@ TEST_CASE("a range takes the crossings within it, its ends by their convention")
     CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true}}) == 1);
     CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true, .tmax = true}}) == 0);
     CHECK(count({.tmin = 2, .tmax = 2.5}) == 0);
+}
+
+TEST_CASE("the side from which a line crosses a triangle, and the edges that it passes nearest to, are exact") {
+    const auto triangle = [](const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) {
+        return Solid<double>(Triangle<double>{a, b, c});
+    };
+    // The normal is (1, 1, −1), and d·n = 1 + 2^-300 − 1.
+    const Solid<double> slanted = triangle({0, 0, 0}, {1, 0, 1}, {1, -1, 0}),
+                        turned = triangle({0, 0, 0}, {1, -1, 0}, {1, 0, 1});
+    for (const double least : {0x1p-300, 0x1p-1000}) {
+        const Vec<double> d(1, least, 1);
+        CHECK(facing_of({{0, 0, -1}, d}, slanted) == -1);
+        CHECK(facing_of({{0, 0, -1}, d}, turned) == 1);
+        CHECK(facing_of({{0, 0, -1}, -1.0 * d}, slanted) == 1);
+    }
+    CHECK(facing_of({{0, 0, -1}, {1, 0, 1}}, slanted) == 0);
+    CHECK(nearest_edges({{0, 0, -1}, {1, 0, 1}}, slanted) == 0b111);
+
+    // A point (x, y) of a triangle with sides 3, 4 and 5 is (12 − 3x − 4y)/5, x and y away from the edges opposite to
+    // a, b and c: all are 1 at (1, 1).
+    const Solid<double> right = triangle({0, 0, 0}, {4, 0, 0}, {0, 3, 0}),
+                        left = triangle({0, 0, 0}, {0, 3, 0}, {4, 0, 0});
+    const auto nearest = [&](double x, double y, double dy = 0) {
+        const unsigned from_above = nearest_edges({{x, y, 1}, {0, dy, -1}}, right);
+        CHECK(nearest_edges({{x, y, -1}, {0, dy, 1}}, right) == from_above);
+        CHECK(nearest_edges({{x, y, -1}, {0, dy, 1}}, left) ==
+              ((from_above & 1U) | (from_above & 2U) << 1 | (from_above & 4U) >> 1));
+        return from_above;
+    };
+    CHECK(nearest(1, 1) == 0b111);
+    CHECK(nearest(0.5, 0.5) == 0b110);
+    CHECK(nearest(0.5, 1) == 0b010);
+    CHECK(nearest(1, 0.5) == 0b100);
+    CHECK(nearest(1.5, 1.5) == 0b001);
+    CHECK(nearest(1, 1 + 0x1p-52) == 0b001);
+    CHECK(nearest(1, 1 - 0x1p-53) == 0b100);
+    CHECK(nearest(1 - 0x1p-53, 1) == 0b010);
+    CHECK(nearest(1, 1, 0x1p-300) == 0b001);
+    CHECK(nearest(1, 1, -0x1p-300) == 0b100);
+    CHECK(nearest(0, 1) == 0b010);
+    CHECK(nearest(0, 0) == 0b110);
 }
 
 TEST_CASE("winding numbers of points are those of the boxes that a mesh is made of") {

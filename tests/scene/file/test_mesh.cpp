@@ -1,6 +1,11 @@
 // Meshes and flakes that are made, how edges are shared, and what the tables of a scene may say of them and of a march.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
 
 #include "catch.hpp"
 #include "number/real.hpp"
@@ -95,6 +100,61 @@ TEST_CASE("closed meshes are closed, wound outward, and of the genus of their sh
     CHECK(edges.are_consistent);
     CHECK(tube.vertices.size() + tube.faces.size() == 3 * tube.faces.size() / 2);
     CHECK(six_volumes(tube) / 6 == Approx(2 * 9.8696 * 2 * 0.25).epsilon(0.05));  // 2π² R r²
+}
+
+TEST_CASE("edges are counted, and borders marked, as by comparing all faces with all", "[mesh]") {
+    std::mt19937 random(5);
+    std::size_t borders = 0, duplicates = 0, many = 0;
+    for (int k = 0; k < 60; ++k) {
+        Mesh mesh;
+        const auto count = 4 + random() % 9;
+        for (std::size_t v = 0; v < count; ++v)
+            mesh.vertices.emplace_back(random() % 64, random() % 64, static_cast<double>(v * v));
+        while (mesh.faces.size() < 3 * count) {
+            const auto corner = [&] { return static_cast<std::uint32_t>(random() % count); };
+            const scene::triangle::Face face{corner(), corner(), corner()};
+            if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) mesh.faces.push_back(face);
+        }
+        mesh = tidied(std::move(mesh));
+        const auto sorted = [&](std::size_t f) {
+            auto face = mesh.faces[f];
+            std::ranges::sort(face);
+            return face;
+        };
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<std::size_t, 2>> ways;  // up, down
+        std::set<scene::triangle::Face> different;
+        for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+            different.insert(sorted(f));
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::uint32_t from = mesh.faces[f][i], to = mesh.faces[f][(i + 1) % 3];
+                ++ways[std::minmax(from, to)][from < to ? 0 : 1];
+            }
+        }
+        scene::triangle::MeshEdges expected{.edges = ways.size(), .duplicates = mesh.faces.size() - different.size()};
+        for (const auto& [edge, of] : ways) {
+            const std::size_t all = of[0] + of[1];
+            expected.border += all == 1, expected.non_manifold += all > 2;
+            expected.unbalanced += of[0] != of[1], expected.odd += all % 2;
+        }
+        const auto all_of = [](const scene::triangle::MeshEdges& of) {
+            return std::array{of.edges, of.border, of.non_manifold, of.unbalanced, of.odd, of.duplicates};
+        };
+        CHECK(all_of(mesh.edges) == all_of(expected));
+        for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto& of = ways.at(std::minmax(mesh.faces[f][(i + 1) % 3], mesh.faces[f][(i + 2) % 3]));
+                CHECK(mesh.is_border(f, i) == (of[0] + of[1] == 1));
+                borders += mesh.is_border(f, i);
+            }
+        duplicates += expected.duplicates, many += expected.non_manifold;
+        const Mesh twice = scene::triangle::joined({mesh, mesh});
+        CHECK(twice.edges.border == 2 * expected.border);
+        CHECK(twice.edges.duplicates == 2 * expected.duplicates);
+        CHECK(twice.borders.size() == twice.faces.size());
+    }
+    CHECK(borders > 100);
+    CHECK(duplicates > 20);
+    CHECK(many > 100);
 }
 
 TEST_CASE("open meshes have the border of their outline", "[mesh]") {

@@ -2,9 +2,12 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <set>
+#include <string_view>
 #include <vector>
 
 #include "catch.hpp"
+#include "number/error.hpp"
 #include "number/real.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/sweep/families.hpp"
@@ -188,6 +191,56 @@ TEST_CASE("every shape has a family, with a table of its own and an easy set") {
         for (std::size_t i = 0; i < 4096; ++i) hit += meets(timed.hits, i), missed += !meets(timed.misses, i);
         CHECK(hit > 4000);
         CHECK(missed == 4096);
+    }
+}
+
+TEST_CASE("what rays are aimed at lies on the surface, and lines touch it") {
+    const std::set<std::string_view> on_surface{"rim", "seam", "edge", "corner", "vertex", "generator", "flat", "apex"};
+    std::set<std::string_view> seen;
+    for (const auto& row : scene::sweep::families()) {
+        const auto groups = row.sets().front().groups();
+        Random random(9);
+        for (const auto& [name, aim] : row.aims) {
+            seen.insert(name);
+            for (std::size_t i = 0; i < 100; ++i) {
+                const Solid<double>& solid = groups[i].solids.front();
+                const auto off = [&](const Vec<double>& p) {
+                    return std::fabs(visit(solid, [&p](const auto& shape) { return shape.distance(p); }));
+                };
+                const AimedPlace target = row.aimed_at(random, solid, aim);
+                const Vec<double> p = target.point;
+                INFO(row.table << ' ' << name << ' ' << i);
+                if (on_surface.contains(name)) CHECK(off(p) < 1e-7);
+                if (!target.along) continue;
+                const Vec<double> along = *target.along;
+                CHECK(length(along) == Approx(1));
+                if (name == "generator") CHECK(std::min(off(p + 0.1 * along), off(p - 0.1 * along)) < 1e-7);
+                if (name == "flat") CHECK(off(p + 1e-4 * along) < 1e-6);
+                if (name == "plane") CHECK(std::min(off(p), off(p + 0.01 * along)) < 1e-7);
+                if (name != "bitangent") continue;
+                const Torus<double> t = solid.torus();
+                const double far = std::sqrt(t.major_radius * t.major_radius - t.minor_radius * t.minor_radius);
+                for (const double at : {far, -far, far + 1e-4, -far - 1e-4}) CHECK(off(p + at * along) < 1e-6);
+            }
+        }
+    }
+    CHECK(seen.size() == 15);
+}
+
+TEST_CASE("the ray distribution of every shape with places reads which of them rays are aimed at") {
+    const scene::test::Scratch folder;
+    const auto drawn = [&folder](const scene::sweep::FamilyRow& row, std::string_view aim) {
+        const auto path = folder.write("f.toml", "views = 3\naim = \"" + std::string(aim) + "\"\n");
+        const scene::toml::Node root = scene::toml::read_toml(path);
+        return digest(row.read(scene::toml::TableReader(root))(0));
+    };
+    for (const auto& row : scene::sweep::families()) {
+        INFO(row.table);
+        if (row.aims.empty()) continue;
+        std::set<std::uint64_t> different;
+        for (const auto& [name, aim] : row.aims) different.insert(drawn(row, name));
+        CHECK(different.size() == row.aims.size());
+        CHECK_THROWS_AS(drawn(row, "elsewhere"), InputError);
     }
 }
 

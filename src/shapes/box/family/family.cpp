@@ -106,6 +106,13 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
 
 }  // namespace
 
+rays::AimedPlace BoxFamily::aimed_at(Random& random, const Solid<double>& solid, int feature) {
+    Vec<double> share(0, 0, 0);
+    const int free = random.below(3);
+    for (int k = 0; k < 3; ++k) share[k] = feature == edge && k == free ? random.unit() : random.below(2);
+    return solid.box().point_at(share);
+}
+
 BoxFamily BoxFamily::read(toml::TableReader table) {
     using A = BoxFamily::Aim;
     static constexpr std::pair<std::string_view, A> aims[] = {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/rays/family_parts.hpp"
+#include "scene/rays/aimed_family.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::box {
@@ -29,6 +29,11 @@ struct BoxFamily {
     int views = 1024;                ///< number of boxes; the rays at one box form one sample
     int rays = 1;                    ///< rays per box
     std::uint64_t seed = 1;
+
+    enum Feature { edge, corner };
+    static constexpr std::pair<std::string_view, int> aims[] = {{"edge", edge}, {"corner", corner}};
+    /// Draws a point of an edge, or a corner, for rays from any direction.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Solid<double>& solid, int feature);
 
     /// Reads `[box_family]`. InputError with a position for anything out of range.
     static BoxFamily read(toml::TableReader table);

@@ -9,14 +9,30 @@ namespace lostbits::scene::cone {
 /// radius at the top is anything below that, and 0 for one cone in four.
 struct ConeFamily : rays::AimedFamily<ConeFamily> {
     static constexpr std::string_view table = "cone_family";
+    enum Aim { inside, rim, apex, generator, axis };
+    static constexpr std::pair<std::string_view, int> aims[] = {
+        {"inside", inside}, {"rim", rim}, {"apex", apex}, {"generator", generator}, {"axis", axis}};
 
     static Solid<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         const double radius = size * random.between(0.0625, 1), share = random.between(-1.0 / 3, 1);
         return Cone<double>{middle - half, middle + half, radius, share > 0 ? share * radius : 0};
     }
-    /// Draws a point of the largest square bar inside.
-    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
+    /// Draws a point of the largest square bar inside, a point of the circle in which a cap and the side meet, the apex
+    /// (the middle of the top of a cone that has none), a line of the side, or the axis.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Solid<double>& solid, int aim) {
+        if (aim != inside) {
+            const Cone<double> c = solid.cone();
+            const Vec<double> along = random.sign() * (c.top - c.base), across = rays::draw_across(random, along);
+            const Vec<double> below = c.base + c.base_radius * across, above = c.top + c.top_radius * across;
+            const bool at_top = random.below(2) == 0;
+            switch (aim) {
+                case apex: return c.top;
+                case axis: return {at_top ? c.top : c.base, along};
+                case generator: return {at_top ? above : below, random.sign() * (above - below)};
+                default: return at_top && c.top_radius > 0 ? above : below;
+            }
+        }
         const double x = random.unit(), y = random.between(0.15, 0.85), z = random.between(0.15, 0.85);
         return solid.cone().point_at({x, y, z});
     }

@@ -8,11 +8,22 @@ namespace lostbits::scene::disc {
 /// `size` is the outer radius. Half of the discs are annuli.
 struct DiscFamily : rays::AimedFamily<DiscFamily> {
     static constexpr std::string_view table = "disc_family";
+    enum Aim { inside, rim, plane };
+    static constexpr std::pair<std::string_view, int> aims[] = {{"inside", inside}, {"rim", rim}, {"plane", plane}};
 
     static Solid<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> normal = rays::draw_direction(random);
         const double share = random.between(-0.75, 0.75);
         return Disc<double>{middle, normal, size, share > 0 ? share * size : 0};
+    }
+    /// Draws a point of the disc, a point of a rim (the outer one, or that of the hole), or a line in its plane.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Solid<double>& solid, int aim) {
+        const rays::AimedPlace any = rays::AimedFamily<DiscFamily>::aimed_at(random, solid, aim);
+        if (aim == inside) return any;
+        const Disc<double> d = solid.disc();
+        const Vec<double> across = rays::draw_across(random, d.normal);
+        if (aim == plane) return {any.point, across};
+        return d.centre + (d.inner_radius > 0 && random.below(2) == 0 ? d.inner_radius : d.outer_radius) * across;
     }
 };
 

@@ -14,7 +14,7 @@ struct EllipsoidFamily : rays::AimedFamily<EllipsoidFamily> {
         return Ellipsoid<double>{middle, {size * x, size * y, size * z}};
     }
     /// Draws a point of the largest box inside.
-    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
+    static rays::AimedPlace aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.between(0.22, 0.78), y = random.between(0.22, 0.78), z = random.between(0.22, 0.78);
         return solid.ellipsoid().point_at({x, y, z});
     }

@@ -20,14 +20,14 @@ struct TriangleFamily : rays::AimedFamily<TriangleFamily> {
             return Triangle<double>{middle + size * a, middle + size * b, middle + size * c};
         }
     }
-    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int aim) {
+    static rays::AimedPlace aimed_at(rays::Random& random, const Solid<double>& solid, int aim) {
         const Triangle<double> t = solid.triangle();
         const double u = random.unit(), v = random.unit();
         const Vec<double> corners[] = {t.a, t.b, t.c};
         const int k = random.below(3);
         const Vec<double>&x = corners[k], &y = corners[(k + 1) % 3];
         if (aim == inside) return t.point_at({u, v, 0});
-        return aim == vertex ? x : x + u * (y - x);
+        return aim == vertex ? rays::AimedPlace(x) : rays::AimedPlace(x + u * (y - x));
     }
 };
 

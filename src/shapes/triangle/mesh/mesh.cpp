@@ -29,16 +29,25 @@ auto by(const Key& key, StopToken stop) {
     };
 }
 
+/// The edges of all faces, ordered by their ends: put into buckets by the lower end, as a vertex has few edges, and
+/// sorted in these.
 std::vector<Edge> sorted_edges(const Mesh& mesh, StopToken stop) {
-    std::vector<Edge> edges;
-    edges.reserve(3 * mesh.faces.size());
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
-            edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f)});
-        }
-    }
-    std::ranges::sort(edges, by([](const Edge& e) { return std::pair(e.low, e.high); }, stop));
+    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // of each bucket; while it is filled, its next place
+    const auto for_each = [&mesh](const auto& take) {
+        for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
+                take(Edge{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f)});
+            }
+    };
+    for_each([&](const Edge& e) { ++ends[e.low + 1]; });
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<Edge> edges(3 * mesh.faces.size());
+    for_each([&](const Edge& e) { edges[ends[e.low]++] = e; });
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : ends[v - 1]),
+                  edges.begin() + static_cast<std::ptrdiff_t>(ends[v]),
+                  by([](const Edge& e) { return std::pair(e.high, e.face); }, stop));
     return edges;
 }
 
@@ -82,6 +91,48 @@ double overflow_of(const FloatFormat& format) {
     return std::ldexp(2 - std::ldexp(1.0, -format.precision), format.emax);
 }
 
+/// The corner of a face that is not an end of one of its edges, 0, 1 or 2.
+std::size_t opposite_corner(const Face& face, const Edge& edge) {
+    const auto is_end = [&edge](std::uint32_t v) { return v == edge.low || v == edge.high; };
+    return static_cast<std::size_t>(std::ranges::find_if_not(face, is_end) - face.begin());
+}
+
+/// Number of faces that have the same third vertex as an earlier one at an edge. Only faces whose third vertex is the
+/// highest count, so that a face counts at one of its edges.
+std::size_t duplicates_at(const Mesh& mesh, std::span<const Edge> of, std::vector<std::uint32_t>& thirds) {
+    thirds.clear();
+    for (const Edge& edge : of) {
+        const Face& face = mesh.faces[edge.face];
+        const std::uint32_t third = face[opposite_corner(face, edge)];
+        if (third > edge.high) thirds.push_back(third);
+    }
+    std::ranges::sort(thirds);
+    return thirds.size() - static_cast<std::size_t>(std::unique(thirds.begin(), thirds.end()) - thirds.begin());
+}
+
+/// Fills `edges` and `borders`.
+void count_edges(Mesh& mesh, StopToken stop) {
+    mesh.edges = {};
+    mesh.borders.assign(mesh.faces.size(), 0);
+    std::vector<std::uint32_t> thirds;
+    const auto count = [&](std::span<const Edge> of) {
+        stop.check();
+        std::ptrdiff_t balance = 0;
+        for (const Edge& edge : of) {
+            const Face& face = mesh.faces[edge.face];
+            const std::size_t opposite = opposite_corner(face, edge);
+            balance += face[(opposite + 1) % 3] == edge.low ? 1 : -1;
+            if (of.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << opposite);
+        }
+        MeshEdges& found = mesh.edges;
+        ++found.edges;
+        found.border += of.size() == 1, found.non_manifold += of.size() > 2;
+        found.unbalanced += balance != 0, found.odd += of.size() % 2;
+        if (of.size() > 1) found.duplicates += duplicates_at(mesh, of, thirds);
+    };
+    for_each_edge(mesh, count, stop);
+}
+
 }  // namespace
 
 std::string_view fault_of_coordinate(double x, const FloatFormat& stored) {
@@ -104,11 +155,7 @@ void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, Stop
         mesh.faces[kept++] = mesh.faces[f];
     }
     mesh.faces.resize(kept);
-    mesh.borders.assign(kept, false);
-    const auto mark = [&](std::span<const Edge> of) {
-        if (of.size() == 1) mesh.borders[of.front().face] = true;
-    };
-    for_each_edge(mesh, mark, stop);
+    count_edges(mesh, stop);
 }
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
@@ -121,29 +168,6 @@ std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
     return found;
 }
 
-MeshEdges count_edges(const Mesh& mesh, StopToken stop) {
-    MeshEdges found;
-    for_each_edge(
-        mesh,
-        [&](std::span<const Edge> of) {
-            std::ptrdiff_t balance = 0;
-            for (const Edge& edge : of) {
-                const Face& f = mesh.faces[edge.face];
-                const auto low = std::ranges::find(f, edge.low) - f.begin();
-                balance += f[(low + 1) % 3] == edge.high ? 1 : -1;
-            }
-            ++found.edges;
-            found.border += of.size() == 1, found.non_manifold += of.size() > 2;
-            found.unbalanced += balance != 0, found.odd += of.size() % 2;
-        },
-        stop);
-    std::vector<Face> faces = mesh.faces;
-    for (Face& face : faces) std::ranges::sort(face);
-    std::ranges::sort(faces, by([](const Face& f) { return f; }, stop));
-    for (std::size_t i = 1; i < faces.size(); ++i) found.duplicates += faces[i] == faces[i - 1];
-    return found;
-}
-
 Mesh joined(std::vector<Mesh> meshes) {
     Mesh all = std::move(meshes.front());
     for (std::size_t i = 1; i < meshes.size(); ++i) {
@@ -152,6 +176,9 @@ Mesh joined(std::vector<Mesh> meshes) {
         all.vertices.insert(all.vertices.end(), next.vertices.begin(), next.vertices.end());
         for (const auto& [a, b, c] : next.faces) all.faces.push_back({first + a, first + b, first + c});
         all.borders.insert(all.borders.end(), next.borders.begin(), next.borders.end());
+        for (const auto count : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
+                                 &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
+            all.edges.*count += next.edges.*count;
         if (all.left_out == 0) all.first_left_out = next.first_left_out;
         all.left_out += next.left_out;
     }

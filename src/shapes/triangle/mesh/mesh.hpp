@@ -24,41 +24,6 @@ inline Triangle<double> corners_of(const Face& face, const std::vector<Vec<doubl
     return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
 }
 
-/// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
-/// one line are not triangles: they are left out and counted.
-struct Mesh {
-    static constexpr Shape shape = Shape::triangle;
-
-    std::vector<Vec<double>> vertices;
-    std::vector<Face> faces;
-    std::size_t left_out = 0;    ///< faces without area
-    std::string first_left_out;  ///< describes the first of them; empty if there is none
-    /// For each face, true if one of its edges has no other face; `tidy` fills it.
-    std::vector<bool> borders;
-
-    [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
-    [[nodiscard]] bool share_a_vertex(std::size_t face, std::size_t other) const {
-        for (const std::uint32_t a : faces[face])
-            for (const std::uint32_t b : faces[other])
-                if (a == b) return true;
-        return false;
-    }
-    [[nodiscard]] bool has_border(std::size_t face) const { return borders[face]; }
-};
-
-/// Merges vertices with the same coordinates (0 and −0 are the same), so that faces which meet share their edge.
-/// Removes faces whose corners lie on one line, and fills `borders`. `place(face)` describes a face of the mesh as it
-/// was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, intersect::process::StopToken stop = {});
-
-/// An edge that two faces share.
-struct SharedEdge {
-    std::array<std::uint32_t, 2> ends;   ///< indices of vertices
-    std::array<std::uint32_t, 2> faces;  ///< in ascending order
-};
-/// Every edge of exactly two faces, ordered by its ends. O(n log n) for n faces.
-std::vector<SharedEdge> shared_edges(const Mesh& mesh);
-
 /// Counts of what keeps a mesh from having an inside. Faces without area, which are left out, leave their edges open.
 struct MeshEdges {
     std::size_t edges = 0;
@@ -68,8 +33,44 @@ struct MeshEdges {
     std::size_t odd = 0;           ///< edges with an odd number of faces
     std::size_t duplicates = 0;    ///< faces with the same three vertices as an earlier face
 };
-/// O(n log n) for n faces.
-MeshEdges count_edges(const Mesh& mesh, intersect::process::StopToken stop = {});
+
+/// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
+/// one line are not triangles: they are left out and counted.
+struct Mesh {
+    static constexpr Shape shape = Shape::triangle;
+
+    std::vector<Vec<double>> vertices;
+    std::vector<Face> faces;
+    std::size_t left_out = 0;    ///< faces without area
+    std::string first_left_out;  ///< describes the first of them; empty if there is none
+    MeshEdges edges;             ///< of all faces; `tidy` counts them
+    /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; `tidy` fills it.
+    std::vector<std::uint8_t> borders;
+
+    [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
+    [[nodiscard]] bool share_a_vertex(std::size_t face, std::size_t other) const {
+        for (const std::uint32_t a : faces[face])
+            for (const std::uint32_t b : faces[other])
+                if (a == b) return true;
+        return false;
+    }
+    [[nodiscard]] bool has_border(std::size_t face) const { return borders[face] != 0; }
+    /// True if the edge opposite to corner k of the face has no other face.
+    [[nodiscard]] bool is_border(std::size_t face, std::size_t k) const { return (borders[face] >> k & 1U) != 0; }
+};
+
+/// Merges vertices with the same coordinates (0 and −0 are the same), so that faces which meet share their edge.
+/// Removes faces whose corners lie on one line, and fills `edges` and `borders`. `place(face)` describes a face of the
+/// mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, intersect::process::StopToken stop = {});
+
+/// An edge that two faces share.
+struct SharedEdge {
+    std::array<std::uint32_t, 2> ends;   ///< indices of vertices
+    std::array<std::uint32_t, 2> faces;  ///< in ascending order
+};
+/// Every edge of exactly two faces, ordered by its ends.
+std::vector<SharedEdge> shared_edges(const Mesh& mesh);
 
 /// Joins the meshes into one, in their order.
 Mesh joined(std::vector<Mesh> meshes);

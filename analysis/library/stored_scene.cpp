@@ -1,0 +1,32 @@
+// The primitives of a scene in the numbers of a format, kept from call to call.
+#include "analysis/library/handles.hpp"
+#include "scene/rays/stored_mesh.hpp"
+
+namespace lostbits::analysis::library {
+
+using scene::file::Scene;
+
+scene::rays::SolidList<double> solid_list(std::vector<Solid<double>> solids,
+                                          std::shared_ptr<const scene::rays::MeshColumns> mesh) {
+    scene::rays::RayGroup group;
+    group.solids = std::move(solids), group.mesh = std::move(mesh);
+    return scene::rays::solid_list_of(group);
+}
+
+StoredScene::StoredScene(const Scene& scene, const FloatFormat& format)
+    : beside_mesh(scene::rays::stored_beside_mesh(scene, format)), mesh(scene::rays::stored_mesh(scene, format)) {}
+
+const measure::culling::Culler& StoredScene::culler() const {
+    std::call_once(made_, [this] { culler_.emplace(solid_list(beside_mesh, mesh)); });
+    return *culler_;
+}
+
+std::shared_ptr<const StoredScene> StoredScenes::in(const Scene& scene, const FloatFormat& format) {
+    if (!scene.mesh) return std::make_shared<const StoredScene>(scene, format);
+    const std::scoped_lock lock(making_);
+    auto& kept = made_[{format.precision, format.emin, format.emax}];
+    if (!kept) kept = std::make_shared<const StoredScene>(scene, format);
+    return kept;
+}
+
+}  // namespace lostbits::analysis::library

@@ -1,0 +1,81 @@
+// Random questions for the probes that compare with the truth: primitives as in scenes, and rays whose answers
+// no usual formula gets wrong.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "measure/contract/trial.hpp"
+
+namespace lostbits::measure::contract {
+
+/// Random numbers from -1 to 1, the same on every machine.
+class RandomNumbers {
+public:
+    explicit RandomNumbers(std::uint32_t seed = 1) : state_(seed) {}
+    double operator()() {
+        state_ = state_ * 1664525U + 1013904223U;
+        return static_cast<double>(state_ >> 8) / 0x1p23 - 1;
+    }
+    double between(double low, double high) { return low + (high - low) * ((*this)() + 1) / 2; }
+    Vec<double> vector() { return {(*this)(), (*this)(), (*this)()}; }
+    Vec<double> unit() {
+        for (;;) {
+            const Vec<double> v = vector();
+            if (const double l = length(v); l > 0.125 && l < 1) return (1 / l) * v;
+        }
+    }
+
+private:
+    std::uint32_t state_;
+};
+
+/// True for shapes with an axis, which may lie along x, y or z, or at an angle.
+bool has_axis(Shape shape);
+
+/// A primitive of random position and shape, in numbers that floats can represent. An upright one has its axis along x,
+/// y or z.
+Solid<double> random_solid(Shape shape, bool upright, RandomNumbers& random);
+
+/// The ray and the primitive, in numbers that floats can represent.
+Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Solid<double>& solid);
+
+/// At most 4: a plane has no extent.
+double half_extent_of(const Solid<double>& solid);
+
+/// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
+Question scaled_by(const Question& q, Shape shape, int power);
+
+/// True if small changes of the ray change the answer only a little, as far as that many random changes tell. Every
+/// usual formula then gets it right.
+bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
+
+std::string numbers_text(std::span<const double> numbers);
+std::string words_of(const Trial& trial, const HitOrMiss& d);
+
+/// A question with its right answer.
+struct Known {
+    Question question;
+    HitOrMiss right;
+};
+std::vector<Known> with_truth(const Trial& trial, const std::vector<Question>& questions);
+
+/// Number of wrong answers among some rays, and a description of the first.
+struct Wrong {
+    std::size_t asked = 0, wrong = 0;
+    std::string first = {};
+
+    Wrong() = default;
+    /// All lengths are multiplied by 2^power.
+    Wrong(const Trial& trial, const std::vector<Known>& rays, int power = 0);
+    /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
+    /// enough.
+    [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
+    void add(const Wrong& more) {
+        asked += more.asked, wrong += more.wrong;
+        if (first.empty()) first = more.first;
+    }
+};
+
+}  // namespace lostbits::measure::contract
