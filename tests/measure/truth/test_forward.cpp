@@ -64,9 +64,11 @@ struct Problem {
     /// where the line is not at a rim, and by (S 2^-e)² to second; a change of r/S turns it, so m <= r/S, and the
     /// second is to the first as 2^-e S/r <= m/64 at most, or, of the middle of a sphere, where r² stands for S r, as
     /// 2^-e (S/r)² <= 1/64.
+    /// A root of a torus is one of four, and bends more: 3 bits more.
     [[nodiscard]] int certain_within(Perturbed perturbed) const {
         const double margin = measure::stability::decision_margin(ray, solid, Turned::root, perturbed);
-        return margin > 0 ? static_cast<int>(std::ceil(6 - 2 * std::log2(margin))) : 1000;
+        const int bits = solid.shape == Shape::torus ? 9 : 6;
+        return margin > 0 ? static_cast<int>(std::ceil(bits - 2 * std::log2(margin))) : 1000;
     }
 };
 
