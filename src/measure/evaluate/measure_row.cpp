@@ -10,6 +10,7 @@
 #include "measure/answer/owners.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/evaluate/row_parts.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/real.hpp"
 
@@ -165,13 +166,29 @@ private:
         const bool rays = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
         if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
-        take(i, sample, which);
+        const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
+        const bool misses_several =
+            result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired && result_.inputs->solids.size() > 1;
+        take(i, sample, [&](const Metric& m) { return which(m) && !(misses_several && is_margin(m)); });
+        if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;
+        const std::optional<Solid<double>> nearest = narrowly_missed(sample);
+        sample.solid = nearest ? &*nearest : nullptr;
+        take(i, sample, is_margin);
     }
 
     /// The primitive that the form hits, otherwise the one that is truly hit; for a miss, that of `measured_at`.
     [[nodiscard]] std::size_t asked_of(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
         return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
+    }
+
+    /// Of several primitives that a ray misses, the one that it misses most narrowly; nothing where there are too many
+    /// to compare.
+    [[nodiscard]] std::optional<Solid<double>> narrowly_missed(const Sample& sample) const {
+        constexpr std::size_t most_compared = 4096;
+        const auto& solids = result_.inputs->solids;
+        if (solids.size() > most_compared || !is_solid(row_.form->shape)) return std::nullopt;
+        return solids[stability::nearest_decision(*sample.ray, solids, sample.convention, sample.range)];
     }
 
     template <class Which>

@@ -17,20 +17,21 @@ double backward(const Sample& s, Perturbed perturbed) {
     return in_roundoffs(stability::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
 }
 
-double margin(const Sample& s, Turned turned) {
-    if (!s.solid || s.march) return missing;
-    return in_roundoffs(
-        stability::decision_margin(*s.ray, *s.solid, turned, Perturbed::componentwise, s.convention, s.range), s);
-}
-
 double backward_error(const Sample& s) { return backward(s, Perturbed::componentwise); }
 double backward_error_normwise(const Sample& s) { return backward(s, Perturbed::normwise); }
-double decision_margin(const Sample& s) { return margin(s, Turned::root); }
+double decision_margin(const Sample& s) {
+    if (!s.solid || s.march) return missing;
+    return in_roundoffs(
+        stability::decision_margin(*s.ray, *s.solid, Turned::root, Perturbed::componentwise, s.convention, s.range), s);
+}
 
 double wrong_decision(const Sample& s) {
     if (!s.solid || s.march) return missing;
     if (!answer::is_wrong(s.outcome)) return 0;
-    return margin(s, Turned::decision) > 1 ? 2 : 1;
+    const double u = std::ldexp(1.0, -s.format->parameters.precision);
+    const auto turned = stability::is_turned_within(u, *s.ray, *s.solid, Turned::decision, Perturbed::componentwise,
+                                                    s.convention, s.range);
+    return !turned ? 3 : *turned ? 1 : 2;
 }
 
 /// True if the attribution is that of t, and not of a decision that rounding changed.
@@ -70,7 +71,7 @@ double statistical_ratio(const Sample& s) {
     return error == 0 ? 0 : error / bound;
 }
 
-constexpr std::string_view wrong_decision_names[] = {"right", "within_u", "beyond_u"};
+constexpr std::string_view wrong_decision_names[] = {"right", "within_u", "beyond_u", "unproved"};
 constexpr std::string_view cestac_decision_names[] = {"stable_right", "stable_wrong", "unstable_right",
                                                       "unstable_wrong"};
 constexpr std::string_view cestac_digit_names[] = {"kept", "overrated"};
@@ -85,12 +86,13 @@ constexpr Metric rows_of_stability[] = {
            backward_error_normwise, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"decision_margin", "u", "stability.margin"},
            "least relative change of every number of the ray and the primitive, as the format holds them, that changes "
-           "hit or miss or the root, in u = 2^-p: a proved lower bound; for the primitive that the form hits, else the "
-           "one truly hit, else the ray's own or the first of several",
+           "hit or miss or the root, in u = 2^-p: a proved lower bound; below 2^-10 the least change is at most twice "
+           "as large, and the margin is missing where that is not proved; for the primitive that the form hits, else "
+           "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
            decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
     tabled({"wrong_decision", "", "stability.wrong"},
            "tells if a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within u of "
-           "every number (beyond_u), or may be right for one of them (within_u)",
+           "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
            wrong_decision, {.ramp = Ramp::categories, .over = Over::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
            "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "

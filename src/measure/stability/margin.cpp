@@ -3,118 +3,41 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
-#include "measure/truth/side.hpp"
-#include "number/wide/affine_form.hpp"
+#include "measure/stability/quartic_cases.hpp"
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::stability {
 
-using namespace truth;
-
 namespace {
-
-constexpr std::size_t most_inputs = 6 + most_stored;
-using Near = number::wide::AffineForm<most_inputs>;
-
-/// A problem, and all problems within ε of it. Its units are those in which its largest length and its largest
-/// component of d are about 1; the choice of units changes no answer.
-class Neighbours {
-public:
-    Neighbours(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed)
-        : solid_(solid), is_normwise_(perturbed == Perturbed::normwise) {
-        for (int i = 0; i < 3; ++i) {
-            numbers_[static_cast<std::size_t>(i)] = ray.origin[i];
-            numbers_[static_cast<std::size_t>(i) + 3] = ray.direction[i];
-        }
-        vector(Of::length, 3), vector(Of::direction, 3);
-        for (const Key& key : row_of(solid.shape).keys) {
-            for (std::size_t k = 0; k < key.count(); ++k) numbers_[end_ + k] = solid.numbers[end_ - 6 + k];
-            vector(key.kind == Key::Kind::direction ? Of::nothing : Of::length, key.count());
-        }
-        matrix_ = end_;
-        if (solid.placed) {
-            // The linear part of a matrix needs no unit: world space and object space have the same one.
-            for (std::size_t k = 0; k < 12; ++k) numbers_[matrix_ + k] = solid.placed->matrix[place_in_matrix(k)];
-            vector(Of::nothing, 9), vector(Of::length, 3);
-        }
-        for (std::size_t i = 0; i < end_; ++i)
-            if (of_[i] != Of::nothing && numbers_[i] != 0) {
-                int& unit = of_[i] == Of::length ? length_ : direction_;
-                unit = std::max(unit, std::ilogb(numbers_[i]));
-            }
-        for (int* const unit : {&length_, &direction_})
-            if (*unit == none) *unit = 0;
-        for (std::size_t i = 0; i < end_; ++i) {
-            const bool is_zero = numbers_[i] == 0;
-            if (of_[i] != Of::nothing)
-                numbers_[i] = std::ldexp(numbers_[i], of_[i] == Of::length ? -length_ : -direction_);
-            // A number so small beside the largest may underflow, and so may its step. Neither loses more than this.
-            if (!is_zero && std::fabs(numbers_[i]) < 0x1p-900) lost_[i] = 0x1p-900;
-        }
-    }
-
-    /// t in the units of the problem. Infinity stays infinity. NaN, which decides nothing, where the scaling
-    /// underflows.
-    [[nodiscard]] double in_time(double t) const {
-        const double scaled = std::ldexp(t, direction_ - length_);
-        return std::isinf(t) || std::ldexp(scaled, length_ - direction_) == t ? scaled : std::nan("");
-    }
-
-    /// Enclosure of every ray and primitive within ε, as long as they are proper.
-    struct All {
-        Ray<Near> ray;
-        Solid<Near> solid;
-    };
-    [[nodiscard]] All within(double epsilon) const {
-        std::array<double, most_inputs> steps{};
-        std::size_t i = 0;
-        for (std::size_t v = 0; v < vectors_used_; ++v) {
-            double squares = 0;
-            for (std::size_t k = i; k < vectors_[v]; ++k) squares += numbers_[k] * numbers_[k];
-            for (; i < vectors_[v]; ++i)
-                steps[i] = epsilon * (is_normwise_ ? std::sqrt(squares) : std::fabs(numbers_[i])) * (1 + 0x1p-40);
-        }
-        const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vectors_).first(vectors_used_) : Near::Vectors();
-        const auto number = [&](std::size_t k) { return Near(numbers_[k], k, steps[k], lost_[k], vectors); };
-        All all{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}}, Solid<Near>(solid_.shape)};
-        for (std::size_t k = 6; k < matrix_; ++k) all.solid.numbers[k - 6] = number(k);
-        if (solid_.placed) {
-            all.solid.placed = transformed(*solid_.placed, [](double) { return Near(0); });
-            for (std::size_t k = matrix_; k < end_; ++k)
-                all.solid.placed->matrix[place_in_matrix(k - matrix_)] = number(k);
-        }
-        return all;
-    }
-
-private:
-    enum class Of : unsigned char { nothing, length, direction };
-    static constexpr int none = -5000;
-    void vector(Of of, std::size_t count) {
-        std::fill_n(&of_[end_], count, of);
-        end_ += count;
-        vectors_[vectors_used_++] = end_;
-    }
-
-    const Solid<double>& solid_;
-    bool is_normwise_;
-    std::array<double, most_inputs> numbers_{}, lost_{};
-    std::array<Of, most_inputs> of_{};
-    std::array<std::size_t, most_inputs> vectors_{};
-    std::size_t vectors_used_ = 0, end_ = 0, matrix_ = 0;
-    int length_ = none, direction_ = none;
-};
-
-/// True if no matrix within ε is singular, so that each has a determinant of the same sign as the stored one.
-bool all_proper(const Solid<Near>& solid) {
-    if (!solid.placed) return true;
-    const Near determinant = solid.placed->map().determinant(), zero(0);
-    return (solid.placed->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
-}
 
 constexpr double least_change = 0x1p-90, most_change = 0.5;
 
-/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), and at most `most_change`; 0 where not even
-/// `least_change` is proved. Bisects the exponent: what holds within ε holds within less, too.
+/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `most_tight` on, and at most
+/// `most_change`; 0 where not even `least_change` is proved. What holds within ε holds within less, too. `guess()` is
+/// asked after each ε that is not proved: a guess at the largest one, or 0. Two of three steps follow it, the third
+/// halves the interval of exponents.
+template <class Holds, class Guess>
+double largest(const Holds& holds, const Guess& guess) {
+    const double least = std::log2(least_change), most = std::log2(most_change), tight = std::log2(most_tight);
+    double low = least, high = most, next = -24, down = 8;
+    bool is_low = false, is_high = false;
+    for (int step = 0;; ++step) {
+        const bool yes = holds(std::exp2(next));
+        (yes ? low : high) = next, (yes ? is_low : is_high) = true;
+        if (is_low && high - low <= (low >= tight ? 1.0 : 1.0 / 16)) return std::exp2(low);
+        if (yes && low >= most) return most_change;
+        if (!yes && high <= least) return 0;
+        const double guessed = yes ? next + 1.0 / 16 : std::log2(guess()) - 1.0 / 64;
+        const bool guesses = step % 3 != 2 && guessed > low && guessed < high && is_high && low < tight;
+        if (guesses) next = guessed;
+        else if (!is_high) next = low < tight ? tight : most;
+        else if (!is_low) next = std::max(high - down, least), down *= 2;
+        else next = (low + high) / 2;
+    }
+}
+/// The same without a guess, and to a factor of 2^(1/16) everywhere.
 template <class Holds>
 double largest(const Holds& holds) {
     if (!holds(least_change)) return 0;
@@ -153,47 +76,250 @@ std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const 
     return all_before ? std::optional(-1) : std::nullopt;
 }
 
-/// A problem with its convention and range, for questions about all problems near it.
-class Asked {
+}  // namespace
+
+namespace {
+
+template <class E>
+std::optional<Met> met_exactly(const QuarticSpan<E>& span, const RangeOfSpan<E>* range, intersect::Convention asked) {
+    const MetRoot<E> met = met_root(span, range, asked);
+    if (met.hit.is_unknown()) return std::nullopt;
+    const auto maximum = Turns(span).maximum();
+    if (met.hit.is_no() || met.root < 0 || !maximum) return Met{met.hit, met.at};
+    const auto order = met.roots.order(met.root, E(*maximum));
+    return Met{met.hit, met.at, !order ? Pass::either : *order < 0 ? Pass::first : Pass::second};
+}
+template <class E, class S>
+std::optional<Met> met_exactly(const S& span, const RangeOfSpan<E>* range, intersect::Convention asked) {
+    const Enclosed<E> found = enclose<E>(span, range, asked);
+    return found.hit.is_unknown() ? std::nullopt : std::optional(Met{found.hit, found.at});
+}
+
+/// True if P has the sign of `value` for all problems from t₀ = n₀/m on, or from t₀ to t₁ = n₁/m: its value and slope
+/// at t₀ are given, times m² and m. For either sign of a. P(t) ≥ P(t₀) − s²/a if its slope at t₀ is −2s, s > 0 and a >
+/// 0. Between t₀ and t₁, where P is given to be positive, it lies above its tangent at t₀, or, for a < 0, above its
+/// chord.
+bool stays_positive(const QuadraticAt<Near>& at, const Near& a, const Near& step) {
+    const double s = std::max(0.0, -at.slope.lowest()), value = at.value.lowest();
+    if (s * s * (1 + 0x1p-40) < a.lowest() * value) return true;
+    return Near(at.value + (at.slope + at.slope) * step).lowest() > 0;
+}
+
+/// True if no line of all problems meets the part of a quadric between the planes. Where the line runs along its axis,
+/// or past a rim, several signs are open that no problem has at once.
+bool misses(const CappedSpan<Near>& s) {
+    if (!s.crossed.is_yes() || !(s.at_entry.value.lowest() > 0 && s.at_exit.value.lowest() > 0)) return false;
+    const Near step = s.exit.n - s.entry.n;
+    const QuadraticAt<Near> back{s.at_exit.value, -s.at_exit.slope};
+    return stays_positive(s.at_entry, s.side.a, step) || stays_positive(back, s.side.a, step);
+}
+/// A tube is missed too by lines that run inside of it from plane to plane.
+bool misses(const WallSpan<Near>& s) {
+    const auto& [entry, exit] = std::pair(s.solid.at_entry.value, s.solid.at_exit.value);
+    return s.solid.crossed.is_yes() && entry.highest() < 0 && exit.highest() < 0 ? true : misses(s.solid);
+}
+bool misses(const auto&) { return false; }
+
+/// The same for the line of a ray and a capsule: its cylinder without caps, and the balls at its ends.
+bool misses_capsule(const Ray<Near>& ray, const Solid<Near>& solid) {
+    return in_its_space<Capsule>(ray, solid, [](const Capsule<Near>& capsule, const Ray<Near>& its) {
+        const auto misses_ball = [&](const Vec<Near>& centre) {
+            return Sphere<Near>{centre, capsule.radius}.span(its).q.highest() < 0;
+        };
+        return misses_ball(capsule.start) && misses_ball(capsule.end) &&
+               misses(Cylinder<Near>{capsule.start, capsule.end, capsule.radius}.span(its));
+    });
+}
+
+/// What a ray meets, and whether that changes near it.
+class Decision {
 public:
-    Asked(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed, intersect::Convention convention,
-          Range<double> range)
-        : neighbours_(ray, solid, perturbed) {
-        if (convention.endless) range.tmax = HUGE_VAL;
-        convention_ = convention_in(range, convention.of(solid.shape));
-        range.tmin = in_time(range.tmin), range.tmax = in_time(range.tmax);
-        range_ = range_over<Near, double>(range);
+    Decision(const Asked& asked, Turned turned) : asked_(asked), turned_(turned), met_(met_after({})) {}
+
+    /// True if all problems within ε meet the same, with a proof.
+    bool holds(double epsilon, const Change& from = {}) {
+        ++all_holds;
+        const bool same = met_ && asked_.of_all_within(
+                                      epsilon,
+                                      [&](const auto&... problem) {
+                                          return cases_.all([&] { return outcome_of(problem...); },
+                                                            epsilon < most_tight && from.by == 0 ? 24 : 8);
+                                      },
+                                      from);
+        if (!same) blamed_ = cases_.contradiction(), tried_ = epsilon;
+        return same;
+    }
+    /// An ε for which all signs are known that the last `holds` could not prove, to first order; 0 where it has none.
+    [[nodiscard]] double guess() const {
+        double most = 0;
+        for (const auto& [x, sign] : blamed_)
+            if (x.hi() * sign <= 0) most = std::max(most, std::fabs(x.hi()) / x.deviation());
+        return tried_ * std::min(most, 1.0);
     }
 
-    [[nodiscard]] double in_time(double t) const { return neighbours_.in_time(t); }
-    /// Result of `act(ray, solid, range, convention)` on all problems within `epsilon`; false where a matrix may be
-    /// singular.
-    template <class Act>
-    bool of_all_within(double epsilon, const Act& act) const {
-        const auto all = neighbours_.within(epsilon);
-        return all_proper(all.solid) && act(all.ray, all.solid, range_ ? &*range_ : nullptr, convention_);
+    /// True if a problem within ε is found that meets something else. It is looked for on the ways on which the signs
+    /// change that the last `holds` could not prove: from the problem itself, then from problems ε away, where what is
+    /// 0 to first order at the problem itself is seen to grow.
+    std::optional<Change> turns(double epsilon) {
+        if (!met_) return std::nullopt;
+        asked_exactly_ = 0;
+        for (std::uint64_t start = 0; start < most_starts; ++start) {
+            Change from;
+            if (start > 0) {
+                from = {random_way(start), epsilon / 2};
+                static_cast<void>(holds(epsilon, from));
+            }
+            for (int step = 0; step < most_steps; ++step) {
+                std::vector<Near::Way> ways = ways_to_blamed();
+                if (ways.empty()) break;
+                for (const Near::Way& way : ways)
+                    if (is_other({way, epsilon})) return Change{way, epsilon};
+                if (asked_exactly_ >= most_asked) return std::nullopt;
+                from = {ways.front(), epsilon / 2};
+                static_cast<void>(holds(epsilon, from));
+            }
+        }
+        return std::nullopt;
     }
 
 private:
-    Neighbours neighbours_;
-    intersect::Convention convention_;
-    std::optional<RangeOfSpan<Near>> range_;
+    static constexpr std::uint64_t most_starts = 2;
+    static constexpr int most_steps = 2, most_asked = 16;
+
+    [[nodiscard]] std::optional<Met> met_after(const Change& change) const {
+        return asked_.of_changed(change, [&](const auto& ray, const auto& solid, const auto* range, const auto& words) {
+            return with_span(ray, solid, [&]<class Span>(const Span& span) {
+                return met_exactly(span, range, asked_of_span<Span>(words));
+            });
+        });
+    }
+    bool is_other(const Change& change) {
+        ++asked_exactly_;
+        ++all_exact;
+        const auto met = met_after(change);
+        return met && !met->is_same(*met_, turned_);
+    }
+    /// Known, and the same.
+    std::pair<bool, bool> outcome_of(const Ray<Near>& ray, const Solid<Near>& solid, const RangeOfSpan<Near>* range,
+                                     intersect::Convention words) {
+        if (met_->hit.is_no() && solid.shape == Shape::capsule && misses_capsule(ray, solid)) return {true, true};
+        const Met met = with_span(ray, solid, [&]<class Span>(const Span& span) {
+            const intersect::Convention asked = asked_of_span<Span>(words);
+            if constexpr (std::is_same_v<Span, QuarticSpan<Near>>) {
+                return QuarticCases(span, range, asked, turned_, cases_).find();
+            } else {
+                if (met_->hit.is_no() && misses(span)) return Met{Tri::no};
+                Near::signs_only = true;
+                const Enclosed<Near> found = enclose<Near>(span, range, asked);
+                Near::signs_only = false;
+                return Met{found.hit, found.at};
+            }
+        });
+        return {!met.hit.is_unknown(), met.is_same(*met_, turned_)};
+    }
+    /// The ways on which the blamed signs change: each by itself, then all together.
+    [[nodiscard]] std::vector<Near::Way> ways_to_blamed() const {
+        std::vector<Near::Way> ways;
+        Near::Way together{};
+        for (const auto& [x, sign] : blamed_) {
+            const double middle = x.hi(), about_0 = x.deviation() / 4;
+            for (const int wanted : {-1, 1}) {
+                if (sign * wanted < 0 || middle * wanted > about_0) continue;
+                Near::Way way = x.steepest();
+                for (std::size_t i = 0; i < way.size(); ++i) way[i] *= wanted, together[i] += way[i];
+                ways.push_back(way);
+            }
+        }
+        if (ways.size() > 1) {
+            for (double& x : together) x /= static_cast<double>(ways.size());
+            ways.push_back(together);
+        }
+        return ways;
+    }
+    [[nodiscard]] Near::Way random_way(std::uint64_t seed) const {
+        Near::Way way{};
+        std::uint64_t bits = seed * 0x9e3779b97f4a7c15U;
+        for (std::size_t i = 0; i < asked_.count(); ++i) {
+            bits ^= bits >> 29, bits *= 0xbf58476d1ce4e5b9U;
+            way[i] = ((bits >> 40 & 1) != 0 ? 1 : -1) * asked_.share();
+        }
+        return way;
+    }
+
+    const Asked& asked_;
+    Turned turned_;
+    Cases cases_;
+    std::optional<Met> met_;
+    std::vector<Cases::Sign> blamed_;
+    double tried_ = 0;
+    int asked_exactly_ = 0;
 };
 
 }  // namespace
 
+Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turned, Perturbed perturbed,
+                 intersect::Convention convention, Range<double> range) {
+    if (!is_proper(ray) || !is_proper(solid)) return {0, 0};
+    const Asked asked(ray, solid, perturbed, convention, range);
+    Decision decision(asked, turned);
+    const double proved =
+        largest([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+    if (proved >= most_tight) return {proved, HUGE_VAL};
+    const double within = std::max(2 * proved, 2 * least_change);
+    static_cast<void>(decision.holds(within));
+    const auto change = decision.turns(within);
+    return change ? Margin{proved, within, asked.amounts(*change)} : Margin{proved, HUGE_VAL};
+}
+
+std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Solid<double>& solid, Turned turned,
+                                     Perturbed perturbed, intersect::Convention convention, Range<double> range) {
+    if (!is_proper(ray) || !is_proper(solid)) return std::nullopt;
+    const Asked asked(ray, solid, perturbed, convention, range);
+    Decision decision(asked, turned);
+    if (decision.holds(epsilon)) return false;
+    return decision.turns(epsilon) ? std::optional(true) : std::nullopt;
+}
+
+namespace {
+
+/// How far a ray's line passes a ball around a primitive, relative to all lengths: (distance − R)/(|o| + |c| + R). A
+/// change by ε moves that distance by at most 8 ε of these: the origin by |o|, the line by twice the way to the ball,
+/// the centre of the primitive by |c| + R, and its points by turning it, by 3 R.
+double gap(const Ray<double>& ray, const Solid<double>& solid) {
+    if (solid.placed) return 0;
+    const auto ball = ball_around(solid);
+    const Vec<double> from = ray.origin - ball.centre;
+    const double away = length(cross(from, ray.direction)) / length(ray.direction);
+    return (away * (1 - 0x1p-40) - ball.radius) / (length(ray.origin) + length(ball.centre) + ball.radius);
+}
+
+}  // namespace
+
+std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidList<double>& solids,
+                             intersect::Convention convention, Range<double> range) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < solids.size(); ++i) order.emplace_back(gap(ray, solids[i]), i);
+    std::ranges::sort(order);
+    double least = HUGE_VAL;
+    std::size_t nearest = 0;
+    for (const auto& [away, i] : order) {
+        if (away > 8 * least) break;
+        const Solid<double> solid = solids[i];
+        if (!is_proper(ray) || !is_proper(solid)) continue;
+        const Asked asked(ray, solid, Perturbed::componentwise, convention, range);
+        Decision decision(asked, Turned::root);
+        if (least < HUGE_VAL && decision.holds(least)) continue;
+        const double margin =
+            largest([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+        if (margin < least) least = margin, nearest = i;
+    }
+    return nearest;
+}
+
 double decision_margin(const Ray<double>& ray, const Solid<double>& solid, Turned turned, Perturbed perturbed,
                        intersect::Convention convention, Range<double> range) {
-    if (!is_proper(ray) || !is_proper(solid)) return 0;
-    const Asked asked(ray, solid, perturbed, convention, range);
-    std::optional<Enclosed<Near>> first;
-    const auto is_the_same = [&](const auto&... problem) {
-        const Enclosed<Near> found = enclose(problem...);
-        if (found.hit.is_unknown()) return false;
-        if (!first) first = found;
-        return found.hit == first->hit && (turned == Turned::decision || found.at == first->at);
-    };
-    return largest([&](double epsilon) { return asked.of_all_within(epsilon, is_the_same); });
+    const Margin margin = margin_of(ray, solid, turned, perturbed, convention, range);
+    return margin.is_tight() ? margin.proved : missing;
 }
 
 double backward_error(const Ray<double>& ray, const Solid<double>& solid, double t, Perturbed perturbed,

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "measure/blame/attribution.hpp"
 #include "measure/truth/reach.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/tape.hpp"
+#include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::stability {
 
@@ -17,13 +19,42 @@ using truth::Perturbed;
 /// Changes that count: of hit or miss alone, or also of the root that is met.
 enum class Turned : std::uint8_t { decision, root };
 
+/// Margins from here on are proved, but the least change may be several times as large.
+inline constexpr double most_tight = 0x1p-10;
+
+/// Added to each number of origin, direction, primitive and matrix, in this order.
+using Amounts = std::array<double, 6 + most_stored>;
+
+/// Bounds of the least relative change that turns an answer.
+struct Margin {
+    double proved;            ///< no smaller change turns it
+    double reached;           ///< a change of this size turns it; infinite where none was found
+    Amounts changes_by = {};  ///< that change
+
+    [[nodiscard]] bool is_tight() const { return reached <= 2 * proved || proved >= most_tight || is_zero(); }
+    /// True if changes of 2^-89 turn it.
+    [[nodiscard]] bool is_zero() const { return proved == 0 && reached < 0x1p-80; }
+};
+
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
-/// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). It is a proved lower bound of
-/// the least change that turns the answer, 4 % below it where one sign decides to first order. On the surface, at a
-/// rim, and where the second order decides, it may be several times too small, or 0. It is at most 1/2.
+/// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
+Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turned = Turned::root,
+                 Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
+                 Range<double> range = {});
+
+/// The proved margin; NaN where it is below 2^-10 and no change of twice its size is found that turns the answer.
 double decision_margin(const Ray<double>& ray, const Solid<double>& solid, Turned turned = Turned::root,
                        Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                        Range<double> range = {});
+
+/// Whether a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
+std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Solid<double>& solid,
+                                     Turned turned = Turned::root, Perturbed perturbed = Perturbed::componentwise,
+                                     intersect::Convention convention = {}, Range<double> range = {});
+
+/// Index of the primitive with the least margin, for a ray that misses all of them: its decision is the nearest.
+std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidList<double>& solids,
+                             intersect::Convention convention = {}, Range<double> range = {});
 
 /// Lower bound of the backward error of t: for a ray that hits, no problem within a relative change of ε has the answer
 /// t. 0 where t is right, or where nothing can be proved; at most 1/2. NaN for a t that is not above 0.

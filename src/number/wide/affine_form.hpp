@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 #include "number/concept.hpp"
 #include "number/wide/running.hpp"
@@ -23,6 +24,7 @@ namespace lostbits::number::wide {
 ///     x y:    terms x₀ sᵢ(y) + y₀ sᵢ(x),   |x₀| r_y + |y₀| r_x + D_x D_y
 ///     1/y:    terms −sᵢ/y₀²,               r/y₀² + D²/(y₀² (|y₀| − D)),     where |y₀| > D
 ///     √x:     terms sᵢ/(2 √x₀),            r/(2 √x₀) + D²/(2 x₀ √x₀),       where x₀ > D
+///     x²:     terms 2 x₀ sᵢ,               2 |x₀| r + D²/2, about x₀² + D²/2
 /// A rest of infinity means that nothing is known.
 template <std::size_t N>
 class AffineForm {
@@ -30,15 +32,35 @@ public:
     using Centre = Running<TwoWords<double>>;
     /// For each vector the index behind its last component, in ascending order, up to N. Empty: each ηᵢ by itself.
     using Vectors = std::span<const std::size_t>;
+    /// An ηᵢ for each input.
+    using Way = std::array<double, N>;
+    /// Answers comparisons that the enclosures leave open: one run of a formula for each answer covers all cases.
+    struct Open {
+        virtual ~Open() = default;
+        /// Whether x < 0, or x ≤ 0.
+        virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
+    };
+    /// Asked by comparisons of this thread; null: they stay unknown.
+    static inline thread_local Open* open = nullptr;
+    /// Set while only signs of sums and products are wanted: quotients and roots are unknown then, and cost nothing.
+    static inline thread_local bool signs_only = false;
 
     AffineForm() = default;
+    AffineForm(const AffineForm& x) { *this = x; }
+    AffineForm& operator=(const AffineForm& x) {
+        centre_ = x.centre_, used_ = x.used_, sum_ = x.sum_, rest_ = x.rest_, vectors_ = x.vectors_;
+        std::copy_n(x.terms_.begin(), used_, terms_.begin());
+        return *this;
+    }
     explicit AffineForm(int x) : centre_(x) {}
     explicit AffineForm(double x) : centre_(TwoWords<double>(x)) {}
     /// Input number i: x + step ηᵢ, and a bound `off` on the error of x itself. `vectors` outlives every number that is
     /// made of it.
     AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
         rest_ = off;
+        std::fill_n(terms_.begin(), i, 0);
         terms_[i] = step;
+        sum_ = std::fabs(step);
         used_ = i + 1;
         vectors_ = vectors;
     }
@@ -51,18 +73,23 @@ public:
         return joined(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
     }
     friend AffineForm operator*(const AffineForm& a, const AffineForm& b) {
+        if (a.is_zero() || b.is_zero()) return AffineForm(0);
+        if (&a == &b && !a.is_constant()) return a.squared();
         const double x = a.most(), y = b.most(), off_x = a.off(), off_y = b.off();
         const double second = a.is_constant() || b.is_constant() ? 0 : a.deviation() * b.deviation();
         const double rest = x * b.rest_ + y * a.rest_ + second + off_x * b.sum() + off_y * a.sum();
         return joined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
-    friend AffineForm operator/(const AffineForm& a, const AffineForm& b) { return a * inverse(b); }
+    friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
+        return signs_only ? unknown() : a * inverse(b);
+    }
     AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
     AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
     AffineForm& operator*=(const AffineForm& b) { return *this = *this * b; }
 
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.off() == 0) return x;
+        if (signs_only) return unknown();
         const double least = x.least(), deviation = x.deviation();
         if (!(x.centre_.first() > 0 && least > deviation)) return unknown();
         const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least);
@@ -84,12 +111,10 @@ public:
     }
 
     friend Tri operator<(const AffineForm& a, const AffineForm& b) {
-        const auto [middle, size] = (a - b).ends();
-        return middle < -size ? Tri::yes : middle >= size ? Tri::no : Tri::unknown;
+        return b.is_zero() ? a.is_below(false) : (a - b).is_below(false);
     }
     friend Tri operator<=(const AffineForm& a, const AffineForm& b) {
-        const auto [middle, size] = (a - b).ends();
-        return middle <= -size ? Tri::yes : middle > size ? Tri::no : Tri::unknown;
+        return b.is_zero() ? a.is_below(true) : (a - b).is_below(true);
     }
     friend Tri operator>(const AffineForm& a, const AffineForm& b) { return b < a; }
     friend Tri operator>=(const AffineForm& a, const AffineForm& b) { return b <= a; }
@@ -108,6 +133,34 @@ public:
             }
         }
         return (first_order + rest_) * up;
+    }
+
+    /// Ends of the enclosure.
+    [[nodiscard]] double lowest() const { return ends().middle - ends().size * up; }
+    [[nodiscard]] double highest() const { return ends().middle + ends().size * up; }
+    /// The way on which x grows fastest to first order.
+    [[nodiscard]] Way steepest() const {
+        Way way{};
+        if (vectors_.empty())
+            for (std::size_t i = 0; i < used_; ++i) way[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
+        std::size_t i = 0;
+        for (const std::size_t end : vectors_) {
+            double squares = 0;
+            for (std::size_t k = i; k < std::min(end, used_); ++k) squares += terms_[k] * terms_[k];
+            for (; i < std::min(end, used_); ++i) way[i] = squares > 0 ? terms_[i] / std::sqrt(squares) : 0;
+        }
+        return way;
+    }
+    /// 1 if this is the same function of the inputs as x, −1 if it is that of −x, otherwise 0.
+    [[nodiscard]] int is_multiple_of(const AffineForm& x) const {
+        if (rest_ != x.rest_ || used_ != x.used_ || !std::isfinite(rest_)) return 0;
+        const auto is = [&](double k) {
+            if (centre_.first() != k * x.centre_.first() || centre_.second() != k * x.centre_.second()) return false;
+            for (std::size_t i = 0; i < used_; ++i)
+                if (terms_[i] != k * x.terms_[i]) return false;
+            return true;
+        };
+        return is(1) ? 1 : is(-1) ? -1 : 0;
     }
 
     /// Root searches in enclosures need these: a point of an enclosure, the enclosure of two, the largest magnitude in
@@ -146,17 +199,28 @@ private:
         return y.linear(AffineForm(1).centre_ / y.centre_, -(q * q), rest + 4 * y.off() * most * most * most * y.sum());
     }
 
+    [[nodiscard]] AffineForm squared() const {
+        const double x = most(), d = deviation(), second = d * d / 2;
+        if (!(second < HUGE_VAL)) return unknown();
+        const double rest = 2 * x * rest_ + second * up + 2 * off() * sum();
+        return joined(centre_ * centre_ + Centre(TwoWords<double>(second)), *this, 2 * centre_.first(), AffineForm(0),
+                      0, rest);
+    }
+    /// Whether this is below 0, or at most 0.
+    [[nodiscard]] Tri is_below(bool or_equal) const {
+        const auto [middle, size] = ends();
+        if (or_equal ? middle <= -size : middle < -size) return Tri::yes;
+        if (or_equal ? middle > size : middle >= size) return Tri::no;
+        return open ? open->is_below(*this, or_equal) : Tri::unknown;
+    }
+    [[nodiscard]] bool is_zero() const { return centre_.first() == 0 && off() == 0 && rest_ == 0 && sum() == 0; }
     [[nodiscard]] bool is_constant() const { return vectors_.data() == nullptr && rest_ == 0 && sum() == 0; }
     /// Bound on the distance of x₀ from its first word.
     [[nodiscard]] double off() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
     [[nodiscard]] double most() const { return std::fabs(centre_.first()) + off(); }
     [[nodiscard]] double least() const { return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * up; }
     /// Σ |sᵢ|, rounded up.
-    [[nodiscard]] double sum() const {
-        double all = 0;
-        for (std::size_t i = 0; i < used_; ++i) all += std::fabs(terms_[i]);
-        return all * up;
-    }
+    [[nodiscard]] double sum() const { return sum_; }
     struct Ends {
         double middle, size;
     };
@@ -172,22 +236,29 @@ private:
         AffineForm x;
         x.centre_ = centre;
         x.used_ = std::max(a.used_, b.used_);
-        double size = 0;
-        for (std::size_t i = 0; i < x.used_; ++i) {
-            const double s = a.terms_[i] * of_a, t = b.terms_[i] * of_b;
-            x.terms_[i] = s + t;
-            size += std::fabs(s) + std::fabs(t);
+        double sum = 0;
+        const std::size_t both = std::min(a.used_, b.used_);
+        for (std::size_t i = 0; i < both; ++i) {
+            x.terms_[i] = a.terms_[i] * of_a + b.terms_[i] * of_b;
+            sum += std::fabs(x.terms_[i]);
         }
+        const auto& [longer, k] = a.used_ > both ? std::pair(&a, of_a) : std::pair(&b, of_b);
+        for (std::size_t i = both; i < x.used_; ++i) {
+            x.terms_[i] = longer->terms_[i] * k;
+            sum += std::fabs(x.terms_[i]);
+        }
+        x.sum_ = sum * up;
+        const double size = std::fabs(of_a) * a.sum_ + std::fabs(of_b) * b.sum_;
         x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;
-        // Rounding of the two products and their sum, 3 · 2^-53, and the loss of a product to underflow.
+        // Rounding of the two products and their sum, 3 · 2^-53 of their size, and the loss of a product to underflow.
         x.rest_ = rest == 0 && size == 0 ? 0 : (rest + size * 0x1p-51 + tiny * tiny) * up;
         return x;
     }
 
     Centre centre_{0};
-    std::array<double, N> terms_{};
-    std::size_t used_ = 0;  ///< all terms from here on are 0
-    double rest_ = 0;
+    std::array<double, N> terms_;
+    std::size_t used_ = 0;  ///< all terms from here on are 0, and not stored
+    double sum_ = 0, rest_ = 0;
     Vectors vectors_{};
 };
 

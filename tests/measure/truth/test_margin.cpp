@@ -1,6 +1,7 @@
 // How much a problem may change before its answer does: against problems that are changed so much, exactly.
 //
 //   LOSTBITS_RAYS=13400 build/test_truth "[margin]"      so many rays of each of 76 families and formats, 10^6 in all
+//   LOSTBITS_LONG=1 build/test_truth "[attack]"          100000 attacked problems of each shape
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -16,6 +17,7 @@
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/brute_force.hpp"
 #include "measure/truth/hard_rays.hpp"
+#include "measure/truth/margin_problems.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/sweep/families.hpp"
 
@@ -25,6 +27,9 @@ using namespace lostbits;
 using namespace test::textbook;
 using measure::stability::backward_error;
 using measure::stability::decision_margin;
+using measure::stability::Margin;
+using measure::stability::margin_of;
+using measure::stability::most_tight;
 using measure::stability::Turned;
 using measure::truth::find_truth;
 using measure::truth::Perturbed;
@@ -88,9 +93,11 @@ public:
     /// found: not of rays from the surface or at a rim, where two signs decide together, nor where the second order
     /// does, as of one through the middle of a sphere far away.
     void check_margin() {
-        const double margin = decision_margin(ray_, solid_, Turned::decision);
-        const double root = decision_margin(ray_, solid_);
-        if (!(root >= 0 && root <= margin && margin <= 0.5)) contradict("margins", margin, root);
+        const double margin = margin_of(ray_, solid_, Turned::decision).proved;
+        const double root = margin_of(ray_, solid_).proved;
+        // Both are searched to 2^(1/16), or to 2 where they are large.
+        const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
+        if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
         const std::uint64_t bits = rng_.bits(60);
         Seen seen;
         const bool exact = in_exact_numbers([&]<class N>(const N&) {
@@ -103,7 +110,7 @@ public:
             seen = look(problem, margin, bits, signs, same, [&](const NumbersOf<N>& x) { return !same(x); });
         });
         if (!exact || !seen.holds) contradict(exact ? "margin" : "rounded, margin", margin);
-        if (margin < 0x1p-8) found_.margins.take(seen.is_tight);
+        if (margin < most_tight) found_.margins.take(seen.is_tight);
     }
 
     /// The same of the backward error of a t that is off by 2^-3 to 2^-45.
@@ -218,7 +225,7 @@ TEST_CASE("no change within the margin turns a decision, of every shape", "[marg
                 const auto truth = find_truth(ray, solid);
                 ++asked;
                 for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = decision_margin(ray, solid, Turned::decision, perturbed);
+                    const double margin = margin_of(ray, solid, Turned::decision, perturbed).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
@@ -235,6 +242,158 @@ TEST_CASE("no change within the margin turns a decision, of every shape", "[marg
         }
         CHECK(asked > 0);
         CHECK(told >= asked);
+    }
+}
+
+namespace {
+
+/// What an attack on the margins of a shape showed.
+struct Attacked {
+    int problems = 0, missing = 0, small = 0;
+    std::vector<std::string> contradictions;
+};
+
+/// The change that a margin names is no larger than twice the margin, and turns the decision, exactly.
+bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbed perturbed) {
+    Ray<Real> ray = lift_ray<Real>(problem.ray);
+    Solid<Real> solid = lift_solid<Real>(problem.solid);
+    for (int i = 0; i < 3; ++i) {
+        ray.origin[i] += margin.changes_by[static_cast<std::size_t>(i)];
+        ray.direction[i] += margin.changes_by[static_cast<std::size_t>(i) + 3];
+    }
+    for (std::size_t i = 0; i < solid.used().size(); ++i) solid.used()[i] += margin.changes_by[i + 6];
+    const std::vector<double> x = problem.numbers();
+    const double most = 2 * std::max(margin.proved, 0x1p-90);
+    bool is_small = true;
+    const auto vector = [&](std::size_t first, std::size_t count) {
+        double size = 0, change = 0;
+        for (std::size_t i = first; i < first + count; ++i) {
+            size += x[i] * x[i], change += margin.changes_by[i] * margin.changes_by[i];
+            if (perturbed == Perturbed::componentwise)
+                is_small &= std::fabs(margin.changes_by[i]) <= most * std::fabs(x[i]);
+        }
+        if (perturbed == Perturbed::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
+    };
+    vector(0, 3), vector(3, 3);
+    for_each_key(problem.solid.shape, [&](const Key& key, std::size_t at) { vector(6 + at, key.count()); });
+    const auto truth = find_truth(ray, std::span<const Solid<Real>>(&solid, 1));
+    return is_small && truth.decision != measure::truth::Truth::Decision::unresolved &&
+           truth.is_hit() != *problem.hits();
+}
+
+std::string in_hex(const test::MarginProblem& problem) {
+    std::ostringstream out;
+    out << row_of(problem.solid.shape).name << std::hexfloat;
+    for (const double x : problem.numbers()) out << ' ' << x;
+    return out.str();
+}
+
+void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
+    const auto contradict = [&](const char* what, double by) {
+        std::ostringstream out;
+        out << what << ' ' << by << " of " << in_hex(problem);
+        seen.contradictions.push_back(out.str());
+    };
+    ++seen.problems;
+    for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
+        const Margin margin = margin_of(problem.ray, problem.solid, Turned::decision, perturbed);
+        const double told = decision_margin(problem.ray, problem.solid, Turned::decision, perturbed);
+        const bool missing = std::isnan(told);
+        if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
+            contradict("no margin", margin.proved);
+        if (!missing && margin.proved < most_tight && !is_witness(problem, margin, perturbed))
+            contradict("no change is found for the margin", margin.proved);
+        if (perturbed == Perturbed::normwise) continue;
+        seen.missing += missing, seen.small += margin.proved < most_tight;
+        // No change of each number by a part of itself is smaller, whether or not the margin is told.
+        const double found = test::Attack(problem, rng).least(0.5, 3);
+        if (found < margin.proved * (1 - 0x1p-30)) contradict("a smaller change turns the decision", found);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("margins are the least changes to a factor of two, of every shape", "[margin][attack]") {
+    const int each = test::draws(100000, 40);
+    for (const auto& row : shape_rows) {
+        if (!is_solid(row.shape)) continue;
+        INFO(row.name);
+        std::vector<Attacked> parts(static_cast<std::size_t>(test::MarginProblems::kinds) * 8);
+        intersect::process::in_parallel(std::size_t{0}, parts.size(), [&](std::size_t i) {
+            Seeded rng(0x5eed + i);
+            test::MarginProblems problems(row.shape, rng);
+            for (int k = 0; k < each / static_cast<int>(parts.size()); ++k)
+                if (const auto problem = problems.draw(static_cast<int>(i % test::MarginProblems::kinds)))
+                    attack(parts[i], *problem, rng);
+        });
+        Attacked all;
+        for (const Attacked& part : parts) {
+            all.problems += part.problems, all.missing += part.missing, all.small += part.small;
+            for (const std::string& contradiction : part.contradictions) FAIL_CHECK(contradiction);
+        }
+        INFO(all.problems << " problems, " << all.small << " small margins, " << all.missing << " missing");
+        if (test::is_long())
+            WARN(all.problems << " problems, " << all.small << " small, " << all.missing << " missing");
+        CHECK(all.problems >= each / 2);
+        CHECK(all.small * 16 >= all.problems);
+        CHECK(all.missing * 25 <= all.problems);
+    }
+}
+
+TEST_CASE("margins of rays across an axis, and of tori at a silhouette, do not collapse", "[margin]") {
+    // v·d is 0: its sign decides nothing. The ray passes 1/4 inside of the side: 1/4 over the numbers that move it.
+    const Ray<double> across{{-4, 1, 0.75}, {1, 0, 0}};
+    for (const Solid<double>& solid : {Solid<double>(Cylinder<double>{{0, 0, 0}, {0, 2, 0}, 1}),
+                                       Solid<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
+                                       Solid<double>(Capsule<double>{{0, 0, 0}, {0, 2, 0}, 1})}) {
+        INFO(row_of(solid.shape).name);
+        const Margin margin = margin_of(across, solid, Turned::decision);
+        CHECK(margin.proved > 0.04);
+    }
+    const Solid<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
+    for (const double inside : {0x1p-12, 0x1p-20}) {
+        // z and the minor radius meet: (1/2 - inside)(1 + e) = 1/2 (1 - e).
+        const double margin = decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, Turned::decision);
+        CHECK(margin < 1.001 * inside);
+        CHECK(margin > 0.5 * inside);
+    }
+}
+
+TEST_CASE("a margin that is not known to a factor of two is missing", "[margin]") {
+    const Margin proved_alone{0x1p-20, HUGE_VAL}, twice{0x1p-20, 0x1p-19}, large{0x1p-9, HUGE_VAL};
+    CHECK(!proved_alone.is_tight());
+    CHECK(twice.is_tight());
+    CHECK(large.is_tight());
+}
+
+TEST_CASE("a change within u turns a decision, or a proof says that none does", "[margin]") {
+    using measure::stability::is_turned_within;
+    const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
+    const Sphere<double> grazed{{1 - 0x1p-20, 0, 4}, 1};  // margin 2^-21
+    CHECK(is_turned_within(0x1p-24, ray, grazed, Turned::decision) == false);
+    CHECK(is_turned_within(0x1p-20, ray, grazed, Turned::decision) == true);
+}
+
+TEST_CASE("the margin of a ray that misses several primitives is the nearest one's", "[margin]") {
+    const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
+    std::vector<Solid<double>> solids;
+    for (int i = 0; i < 20; ++i) solids.push_back(Sphere<double>{{4.0 + i, 0, 4}, 1});
+    solids.push_back(Torus<double>{{0, 8, 3}, {1, 0, 0}, 2, 0.5});
+    solids[13] = Sphere<double>{{1 + 0x1p-12, 0, 4}, 1};
+    CHECK(measure::stability::nearest_decision(ray, scene::rays::SolidList<double>(solids)) == 13);
+    Seeded rng(0x3a61);
+    for (int k = 0; k < test::draws(2000); ++k) {
+        for (Solid<double>& solid : solids)
+            if (solid.is<Sphere>()) solid = Sphere<double>{rng.vec(-4, 4), rng.uniform(0.1, 1)};
+        double least = HUGE_VAL;
+        bool misses = true;
+        for (const Solid<double>& solid : solids) {
+            misses &= !find_truth(ray, solid).is_hit();
+            least = std::min(least, margin_of(ray, solid).proved);
+        }
+        if (!misses) continue;
+        const std::size_t nearest = measure::stability::nearest_decision(ray, scene::rays::SolidList<double>(solids));
+        CHECK(margin_of(ray, solids[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
     }
 }
 
