@@ -5,7 +5,7 @@
 namespace lostbits::analysis::library {
 
 using intersect::doors::ForeignForm;
-using intersect::doors::WrittenFormula;
+using intersect::table::WrittenFormula;
 
 namespace {
 

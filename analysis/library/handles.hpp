@@ -24,7 +24,7 @@
 #include "analysis/library/lostbits.h"
 #include "analysis/selection/select.hpp"
 #include "intersect/doors/foreign_batch.hpp"
-#include "intersect/doors/written_formula.hpp"
+#include "intersect/table/written_formula.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "measure/culling/culling.hpp"
 #include "measure/evaluate/evaluate.hpp"
@@ -131,8 +131,8 @@ struct lostbits_scene {
 
 struct lostbits_form {
     std::unique_ptr<lostbits::intersect::doors::ForeignRow> asked = {};
-    std::array<std::shared_ptr<const lostbits::intersect::doors::WrittenFormula>, 2> formulas = {};  ///< f32, f64
-    std::optional<lostbits::intersect::doors::WrittenForm> written = {};
+    std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
+    std::optional<lostbits::intersect::table::WrittenForm> written = {};
     lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere
     lostbits::intersect::table::Intersector alone{};  ///< the written operations everywhere; `row` if there are none
 };

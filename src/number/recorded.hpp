@@ -49,6 +49,8 @@ public:
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
     /// Names all operations that follow, until the name is empty.
     virtual void name_all(std::string_view /*part*/) {}
+    /// Says that a part of the formula depends on a decision (`decide`).
+    virtual void add_sides(NodeId /*decision*/) {}
     /// Ends one sample of a march.
     virtual void end_sample() {}
 
@@ -89,6 +91,14 @@ public:
 private:
     NodeId node_;
 };
+
+/// Records that the part of a formula which `f` computes depends on the decision, so that enclosures can follow both
+/// sides.
+template <class F>
+auto decide(const RecordedMask& mask, const F& f) {
+    Recorder::current().add_sides(mask.node());
+    return f(mask);
+}
 
 /// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
 /// exact values are found afterwards, by running the tape again over an exact number (measure/blame/attribution.hpp). A

@@ -126,6 +126,8 @@ public:
     TapeOutputs outputs;
     /// For a form that marches: the length of the tape after each sample of the field.
     std::vector<std::size_t> samples;
+    /// The decisions that a part of the formula depends on (`decide`).
+    std::vector<NodeId> sides;
     /// If true, every loop condition holds: the tape then has all operations that a form can ever do.
     bool every_loop = false;
     /// The name of every operation that is recorded while it is not empty (`Part`).
@@ -149,6 +151,7 @@ public:
         formats.clear();
         calls.clear();
         samples.clear();
+        sides.clear();
         outputs = {};
         inputs_ = 0;
     }

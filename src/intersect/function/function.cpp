@@ -427,7 +427,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     Nodes::Written written = nodes.written(out.hit, out.t, out.near, out.far);
     written.formula.name = contract.name;
     written.formula.shape = contract.shape;
-    doors::require_sense(written.formula);
+    table::require_sense(written.formula);
     made->places = walk.places();
     for (SourcePlace& p : made->places)
         if (const fs::path relative = fs::path(p.file).lexically_normal(); relative == compiler.file())
@@ -436,8 +436,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
         const int own = walk.own_place(place);
         made->place_of_operation.push_back(own);
     }
-    const auto formula = std::make_shared<const doors::WrittenFormula>(std::move(written.formula));
-    made->written = std::make_unique<doors::WrittenForm>(formula, formula);
+    const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
+    made->written = std::make_unique<table::WrittenForm>(formula, formula);
 
     const doors::Library library = compiler.library(wrapper);
     doors::ForeignForm form{contract, made->path, {}};

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "intersect/doors/foreign_batch.hpp"
-#include "intersect/doors/written_formula.hpp"
 #include "intersect/function/ir.hpp"
 #include "intersect/process/stop_token.hpp"
+#include "intersect/table/written_formula.hpp"
 
 namespace lostbits::intersect::function {
 
@@ -25,7 +25,7 @@ struct UserFunction {
     std::string source;  ///< text of the file
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<doors::ForeignRow> answers;
-    std::unique_ptr<doors::WrittenForm> written;
+    std::unique_ptr<table::WrittenForm> written;
     std::vector<SourcePlace> places;
     std::vector<int> place_of_operation;  ///< index of the place of each operation; -1: none
     table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};

@@ -270,7 +270,7 @@ Nodes::Written Nodes::written(Mask hit, NodeId t, NodeId near, NodeId far) const
     Written made;
     std::vector<NodeId> moved(all_.size(), no_node);
     auto& out = made.formula.operations;
-    const auto put = [&](doors::WrittenOperation w, int at) {
+    const auto put = [&](table::WrittenOperation w, int at) {
         out.push_back(std::move(w));
         made.places.push_back(at);
         return static_cast<NodeId>(out.size() - 1);
@@ -283,7 +283,7 @@ Nodes::Written Nodes::written(Mask hit, NodeId t, NodeId near, NodeId far) const
             moved[i] = put({.op = TapeOp::div, .operands = {zero, zero, no_node}, .wide = n.wide}, n.place);
             continue;
         }
-        doors::WrittenOperation w{.op = n.op, .value = n.value, .label = n.label, .wide = n.wide};
+        table::WrittenOperation w{.op = n.op, .value = n.value, .label = n.label, .wide = n.wide};
         if (n.op == TapeOp::input) w.operands = n.operands;
         else if (n.op != TapeOp::constant)
             for (std::size_t k = 0; k < row_of(n.op).operands; ++k)

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "intersect/doors/written_formula.hpp"
+#include "intersect/table/written_formula.hpp"
 
 namespace lostbits::intersect::function {
 
@@ -67,7 +67,7 @@ public:
     std::vector<double> constants_of(NodeId x, bool& others) const;
 
     struct Written {
-        doors::WrittenFormula formula;
+        table::WrittenFormula formula;
         std::vector<int> places;  ///< of each operation
     };
     /// The operations that the outputs depend on.

@@ -111,16 +111,20 @@ inline void evaluate_on(AskRecorded ask, Tape& tape, const FloatFormat& format, 
     taped_by([&] { return recorded_hit(ask, ray, target, tmax); }, format, tape);
 }
 
+inline void record_by(AskRecorded ask, const Format& format, const Ray<double>& ray, const Target<double>& target,
+                      double tmax, Tape& tape) {
+    tape.clear();
+    evaluate_on(ask, tape, format.parameters, ray, target, tmax);
+}
+
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
-    tape.clear();
-    evaluate_on(ask_recorded<Form>, tape, format.parameters, ray, target, tmax);
+    record_by(ask_recorded<Form>, format, ray, target, tmax, tape);
 }
 
 /// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement: any further
 /// ones repeat the same operations.
-template <class Form>
-void record_all_of(const Target<double>& target, Tape& tape) {
+inline void record_all_by(AskRecorded ask, const Target<double>& target, Tape& tape) {
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     tape.clear();
     tape.every_loop = true;
@@ -129,11 +133,16 @@ void record_all_of(const Target<double>& target, Tape& tape) {
         few.max_steps = 3;
         few.secant_steps = std::min(few.secant_steps, 2);
         few.bisect_steps = std::min(few.bisect_steps, 2);
-        evaluate_on(ask_recorded<Form>, tape, binary32, any, Target<double>(target.solids, few), HUGE_VAL);
+        evaluate_on(ask, tape, binary32, any, Target<double>(target.solids, few), HUGE_VAL);
     } else {
-        evaluate_on(ask_recorded<Form>, tape, binary32, any, target, HUGE_VAL);
+        evaluate_on(ask, tape, binary32, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
+}
+
+template <class Form>
+void record_all_of(const Target<double>& target, Tape& tape) {
+    record_all_by(ask_recorded<Form>, target, tape);
 }
 
 /// The answer of `ask()`, which runs over `Recorded`, with the bounds that its recorder computes.
@@ -167,6 +176,15 @@ inline constexpr bool filters = [] {
                 };
         });
 }();
+
+/// True if the form does the same operations for every ray and in every arithmetic, so that its recording stands for
+/// it (`WrittenForm`). Marches have loops, and so have forms that state `has_loops`. Filters go on where a bound proves
+/// nothing. A form that states `exact_is_apart` does other operations in numbers that stand for exact arithmetic.
+template <class Form>
+inline constexpr bool is_one_program = !marches<Form> && !filters<Form> && !requires {
+    Form::exact_is_apart;
+}
+&&!requires { Form::has_loops; };
 
 template <class Form>
 Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {

@@ -1,21 +1,49 @@
+#include <deque>
+
 #include "intersect/table/arithmetics.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/rows.hpp"
+#include "intersect/table/written_formula.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::table {
 
+namespace {
+
+const AskRecorded& asked(void* own) { return *static_cast<const AskRecorded*>(own); }
+
+void record_asked(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+                  Tape& tape) {
+    record_by(asked(own), format, ray, target, tmax, tape);
+}
+
+void record_all_asked(void* own, const Target<double>& target, Tape& tape) { record_all_by(asked(own), target, tape); }
+
+std::optional<BoundedAnswer> bounded_asked(void* own, const Format& format, const Ray<double>& ray,
+                                           const Target<double>& target, double tmax) {
+    return bounded_by([&] { return recorded_hit(asked(own), ray, target, tmax); }, format);
+}
+
+}  // namespace
+
 void fill_by_ray(std::span<Intersector> rows) {
+    static std::deque<WrittenForm> recorded;  // rows point into it
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
         Intersector& row = rows[i++];
-        if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
-        row.ball = enclosed<Form, Ball>;
-        row.interval = enclosed<Form, Interval>;
-        row.record = record_of<Form>;
-        row.record_all = record_all_of<Form>;
-        row.count = count_of<Form>;
-        row.bounded = bounded_of<Form>;
+        const AskRecorded* const ask = &ask_recorded<Form>;
+        row.record = {record_asked, const_cast<AskRecorded*>(ask)};
+        row.record_all = {record_all_asked, const_cast<AskRecorded*>(ask)};
+        row.bounded = {bounded_asked, const_cast<AskRecorded*>(ask)};
+        if constexpr (is_one_program<Form>) {
+            recorded.emplace_back(row).fill_arithmetics(row);
+            if (Form::info.formats != Formats::all) row.rounded = nullptr;
+        } else {
+            if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
+            row.ball = enclosed<Form, Ball>;
+            row.interval = enclosed<Form, Interval>;
+            row.count = count_of<Form>;
+        }
         if constexpr (filters<Form>) row.way = way_of<Form>;
         if constexpr (marches<Form>) row.log = log_of<Form>;
     });

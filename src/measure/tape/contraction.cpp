@@ -15,17 +15,17 @@
 #include <utility>
 #include <vector>
 
-#include "intersect/doors/written_formula.hpp"
 #include "intersect/table/made_rows.hpp"
+#include "intersect/table/written_formula.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::tape {
 
-using intersect::doors::WrittenForm;
-using intersect::doors::WrittenFormula;
 using intersect::table::Intersector;
+using intersect::table::WrittenForm;
+using intersect::table::WrittenFormula;
 using scene::rays::contracted_suffix;
 
 namespace {
@@ -198,21 +198,6 @@ private:
     Tape made_;
 };
 
-/// Tape as a list of operations; null where the tape has two formats, because a list has only one.
-std::shared_ptr<const WrittenFormula> list_of(const Tape& tape, Shape shape, std::string name) {
-    auto formula = std::make_shared<WrittenFormula>();
-    formula->name = std::move(name);
-    formula->shape = shape;
-    for (const TapeNode& n : tape.nodes) {
-        if (n.op == TapeOp::convert) return nullptr;
-        formula->operations.push_back({n.op, n.operands, n.value, std::string(n.label)});
-    }
-    const auto [hit, t, near, far] = tape.outputs;
-    formula->hit = hit, formula->t = t, formula->near = near, formula->far = far;
-    require_sense(*formula);
-    return formula;
-}
-
 /// Contracted form: tapes for f32 and f64, and lists of operations for every other arithmetic.
 struct Contracted {
     std::unique_ptr<TapeForm> in32, in64;
@@ -224,7 +209,7 @@ struct Contracted {
             if (!form.exists_in(format)) return;
             const Tape tape = contracted(tape_of(form, format));
             in = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
-            list = list_of(tape, form.shape, name);
+            list = std::make_shared<const WrittenFormula>(intersect::table::written(tape, form.shape, name));
         };
         make(*find_format("f32"), in32, lists[0]);
         make(*find_format("f64"), in64, lists[1]);

@@ -20,6 +20,7 @@ public:
     bool goes_on(NodeId decision) override { return tape_[decision].value != 0 || tape_.every_loop; }
     void name(NodeId x, std::string_view label) override { tape_.name(x, label); }
     void name_all(std::string_view part) override { tape_.part = part; }
+    void add_sides(NodeId decision) override { tape_.sides.push_back(decision); }
     void end_sample() override { tape_.samples.push_back(tape_.nodes.size()); }
 
 private:

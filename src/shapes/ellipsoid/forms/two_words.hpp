@@ -14,6 +14,8 @@ struct InTwoWords {
         .source = "two words after Dekker 1971 and Joldes, Muller and Popescu 2017",
     };
 
+    static constexpr bool exact_is_apart = true;
+
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
         if constexpr (stands_for_exact<T>) return met<T>(RayInRadii<T>(ray, e), [](const T& x) { return x; });

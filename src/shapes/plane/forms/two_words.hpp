@@ -17,6 +17,8 @@ struct DotsInTwoWords {
         .roots = Roots::first_only,
     };
 
+    static constexpr bool exact_is_apart = true;
+
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
         if constexpr (stands_for_exact<T>) return met<T>(ray, plane, [](const T& x) { return x; });

@@ -15,6 +15,8 @@ struct TorusFromClosest {
         .roots = Roots::first_only,
     };
 
+    static constexpr bool has_loops = true;
+
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const Vec<T> f = ray.origin - torus.centre, w = cross(f, ray.direction);

@@ -1,4 +1,4 @@
-#include "intersect/doors/written_formula.hpp"
+#include "intersect/table/written_formula.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,7 @@
 #include "intersect/table/arithmetics.hpp"
 #include "number/error.hpp"
 
-namespace lostbits::intersect::doors {
-
-using table::HitBatch;
-using table::Intersector;
-using table::LiftedInputs;
-using table::RayBatch;
+namespace lostbits::intersect::table {
 
 namespace {
 
@@ -53,13 +48,30 @@ public:
         numbers_.reserve(formula.operations.size());
     }
 
+    /// The answer to one ray. May be called again for the next one.
     template <class Input>
     Hit<T> run(const Input& input) {
-        for (std::size_t i = 0; i < formula_.operations.size(); ++i) {
+        numbers_.clear(), wide_.clear(), masks_.clear();
+        return run_from(0, input);
+    }
+
+    /// The index that the recorder has for the result of operation i.
+    [[nodiscard]] NodeId node(std::size_t i) const {
+        const WrittenOperation& w = formula_.operations[i];
+        if (is_decision(w.op)) return masks_[place_[i]].node();
+        return w.wide ? wide_[place_[i]].node() : numbers_[place_[i]].node();
+    }
+
+private:
+    template <class Input>
+    Hit<T> run_from(std::size_t i, const Input& input) {
+        for (; i < formula_.operations.size(); ++i) {
             const WrittenOperation& w = formula_.operations[i];
             if (is_decision(w.op)) {
                 place_[i] = masks_.size();
                 masks_.push_back(decision(w));
+                if constexpr (std::same_as<mask_t<T>, Tri>)
+                    if (w.has_sides && masks_.back().is_unknown()) return on_both_sides(i + 1, input);
             } else if (w.wide) {
                 add(wide_, i, w.op == TapeOp::convert ? Wider<T>::widen(x(numbers_, w, 0)) : number(wide_, w, input));
             } else {
@@ -74,14 +86,17 @@ public:
                 answer(formula_.far)};
     }
 
-    /// The index that the recorder has for the result of operation i.
-    [[nodiscard]] NodeId node(std::size_t i) const {
-        const WrittenOperation& w = formula_.operations[i];
-        if (is_decision(w.op)) return masks_[place_[i]].node();
-        return w.wide ? wide_[place_[i]].node() : numbers_[place_[i]].node();
+    /// Follows the last decision, which is open, as yes and as no to the end, and joins the answers.
+    template <class Input>
+    Hit<T> on_both_sides(std::size_t next, const Input& input) {
+        Evaluation other(*this);
+        other.masks_.back() = Tri(Tri::yes), masks_.back() = Tri(Tri::no);
+        const Hit<T> yes = other.run_from(next, input), no = run_from(next, input);
+        const auto joined = [](const T& a, const T& b) { return select(Tri(Tri::unknown), a, b); };
+        const bool agree = (yes.hit.is_yes() && no.hit.is_yes()) || (yes.hit.is_no() && no.hit.is_no());
+        return {agree ? yes.hit : Tri(Tri::unknown), joined(yes.t, no.t), joined(yes.near, no.near),
+                joined(yes.far, no.far)};
     }
-
-private:
     template <class N>
     void add(std::vector<N>& numbers, std::size_t i, N made) {
         place_[i] = numbers.size();
@@ -160,7 +175,7 @@ auto by_number(const Ray<T>& ray, const Solid<T>& solid, const T& end) {
 
 template <class T>
 Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
-    using intersect::doors::by_number;
+    using intersect::table::by_number;
     return Evaluation<T>(formula).run(by_number(ray, solid, end));
 }
 
@@ -170,11 +185,16 @@ template <class T, class S>
 void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
                  const HitBatch<S>& hits) {
     const std::size_t step = target.solids.size() == 1 ? 0 : 1;
+    Evaluation<T> evaluation(formula);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const LiftedInputs<T> in(ray, Target<S>(target.solids[i * step]),
-                                 rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
-        const Hit<T> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
+        const std::span<const S> numbers = target.solids[i * step].used();
+        const S tmax = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
+        const Hit<T> hit = evaluation.run([&](std::size_t k) -> T {
+            if (k < 3) return T(ray.origin[static_cast<int>(k)]);
+            if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
+            return T(k - 6 < numbers.size() ? numbers[k - 6] : tmax);
+        });
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
         hits.near[i] = static_cast<S>(as_double(hit.near)), hits.far[i] = static_cast<S>(as_double(hit.far));
@@ -197,7 +217,7 @@ void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& ta
 
 template <class E>
 Hit<E> enclose(void* own, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(of(own).in(*find_format("f32")), ray, target.solids.front(), table::unlimited<E>());
+    return answer_of(of(own).in(*find_format("f32")), ray, target.solids.front(), unlimited<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
@@ -209,7 +229,7 @@ Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    table::taped_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format.parameters, tape);
+    taped_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format.parameters, tape);
 }
 
 void record_all(void* own, const Target<double>& target, Tape& tape) {
@@ -221,12 +241,12 @@ OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& tar
     const auto ask = [&formula](const auto& in, const auto& aim, const auto& tmax) {
         return answer_of(formula, in, aim.solids.front(), tmax);
     };
-    return table::counted_by(ask, ray, target, end);
+    return counted_by(ask, ray, target, end);
 }
 
 std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    return table::bounded_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format);
+    return bounded_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format);
 }
 
 /// True if operand k of an operation is a decision.
@@ -280,20 +300,49 @@ void require_sense(const WrittenFormula& f) {
             throw InputError(f.name + ": an answer is of the wider format; convert it first");
 }
 
+WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
+    WrittenFormula formula{.name = std::move(name), .shape = shape, .operations = {}};
+    const std::uint8_t own = tape[tape.outputs.t].format;
+    for (const TapeNode& n : tape.nodes)
+        formula.operations.push_back({.op = n.op,
+                                      .operands = n.operands,
+                                      .value = n.value,
+                                      .label = std::string(n.label),
+                                      .wide = !is_decision(n.op) && n.format != own});
+    for (const NodeId decision : tape.sides) formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
+    const auto [hit, t, near, far] = tape.outputs;
+    formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
+    require_sense(formula);
+    return formula;
+}
+
 WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)
     : of32_(std::move(of32)), of64_(std::move(of64)) {}
 
+WrittenForm::WrittenForm(const Intersector& recorded) : recorded_(recorded) {}
+
 const WrittenFormula& WrittenForm::in(const Format& format) const {
+    if (recorded_)
+        std::call_once(once_, [this] {
+            Tape tape;
+            recorded_->record_all(Target<double>(Solid<double>(recorded_->shape)), tape);
+            of32_ = std::make_shared<const WrittenFormula>(
+                written(tape, recorded_->shape, std::string(recorded_->info->name)));
+        });
     return of32_ == nullptr || (format.engine == Format::Engine::native64 && of64_ != nullptr) ? *of64_ : *of32_;
 }
 
-void WrittenForm::fill(Intersector& row) {
+void WrittenForm::fill_arithmetics(Intersector& row) {
     row.rounded = {answer_rounded, this};
     row.ball = {enclose<Ball>, this};
     row.interval = {enclose<Interval>, this};
+    row.count = {count, this};
+}
+
+void WrittenForm::fill(Intersector& row) {
+    fill_arithmetics(row);
     row.record = {record, this};
     row.record_all = {record_all, this};
-    row.count = {count, this};
     row.bounded = {answer_bounded, this};
 }
 
@@ -306,11 +355,11 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
         const LiftedInputs<Recorded> in(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, Target<double>(any),
                                         HUGE_VAL);
         Evaluation<Recorded> run(formula);
-        const Hit<Recorded> hit = run.run(doors::by_number(in.ray, in.target.get().solids.front(), in.tmax));
+        const Hit<Recorded> hit = run.run(table::by_number(in.ray, in.target.get().solids.front(), in.tmax));
         for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(run.node(i));
         return hit;
     };
-    table::taped_by(recorded, format.parameters, tape);
+    taped_by(recorded, format.parameters, tape);
     return nodes;
 }
 
@@ -322,4 +371,4 @@ Intersector WrittenForm::row(const Info& info) {
     return row;
 }
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::table

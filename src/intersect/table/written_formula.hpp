@@ -5,12 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "intersect/table/table.hpp"
 
-namespace lostbits::intersect::doors {
+namespace lostbits::intersect::table {
 
 /// One operation of such a list.
 struct WrittenOperation {
@@ -23,6 +25,8 @@ struct WrittenOperation {
     /// The result is of the next wider format: double in a formula of float (`Wider`). Only `convert` takes a number of
     /// the other format.
     bool wide = false;
+    /// A decision that a part of the formula depends on (`decide`). Where it is open, enclosures follow both sides.
+    bool has_sides = false;
 };
 
 /// The operations, and the indices of the decision, of t, and of the line parameters of both intersections.
@@ -38,22 +42,33 @@ struct WrittenFormula {
 /// decision in place of a number or the other way round.
 void require_sense(const WrittenFormula& formula);
 
+/// A tape as a list, for the primitives of a shape. It must be of a form that does the same operations for every ray:
+/// without calls and loops. Throws as `require_sense` does.
+WrittenFormula written(const Tape& tape, Shape shape, std::string name);
+
 /// The formula of a form in binary32 and the one in binary64. They may differ: array libraries add the same numbers in
 /// another order if a register holds more of them. Every other arithmetic takes that of binary32.
 class WrittenForm {
 public:
     /// Either may be null; both are of one shape.
     WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64);
+    /// The formula that `record_all` of a row records, at its first use. The row's `info` is kept.
+    explicit WrittenForm(const Intersector& recorded);
+    /// Fills what follows from the formula alone: formats at run time, enclosures, counts. The row points here.
+    void fill_arithmetics(Intersector& row);
     /// Fills the kernels of a row other than the native ones, in every arithmetic; the row points here.
-    void fill(table::Intersector& row);
+    void fill(Intersector& row);
     /// A row whose answers in f32 and f64 are also those of the formula.
-    [[nodiscard]] table::Intersector row(const Info& info);
+    [[nodiscard]] Intersector row(const Info& info);
     [[nodiscard]] const WrittenFormula& in(const Format& format) const;
     /// The node of each operation on the tapes of a format.
     [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
 
 private:
-    std::shared_ptr<const WrittenFormula> of32_, of64_;
+    std::optional<Intersector> recorded_ = {};
+    mutable std::once_flag once_;
+    mutable std::shared_ptr<const WrittenFormula> of32_;
+    std::shared_ptr<const WrittenFormula> of64_;
 };
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::table
