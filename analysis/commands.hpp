@@ -126,8 +126,8 @@ void probe(const std::filesystem::path& file);
 /// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
 [[nodiscard]] double quantile_at(const std::string& text);
 
-/// The exit code of a run in which the truth of `rays` rays was not proved; prints that on stderr.
-[[nodiscard]] Exit end_with_unproved(std::uint64_t rays);
+/// The exit code of a run in which the truth of `rays` rays was not proved within `bits` bits; prints that on stderr.
+[[nodiscard]] Exit end_with_unproved(std::uint64_t rays, int bits = measure::truth::TruthLimit{}.bits);
 
 /// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
 /// returns the text for a row, empty if nothing seems wrong.

@@ -147,10 +147,10 @@ double quantile_at(const std::string& text) {
     }
 }
 
-Exit end_with_unproved(std::uint64_t rays) {
+Exit end_with_unproved(std::uint64_t rays, int bits) {
     if (rays == 0) return Exit::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
-               counted(rays, "ray"), measure::truth::TruthLimit{}.bits, rays == 1 ? "it counts" : "they count");
+               counted(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
     return Exit::internal;
 }
 

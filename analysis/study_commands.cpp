@@ -208,7 +208,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
         return measure_scene<Words>(studies[k], run, complete);
     });
     finish(divided, common);
-    return end_with_unproved(unproved);
+    return end_with_unproved(unproved, studies.front().limit.bits);
 }
 
 template <class Words>
