@@ -1,0 +1,67 @@
+// Rows that walk the recording of a form, against the form compiled for the same numbers.
+#include <cmath>
+
+#include "catch.hpp"
+#include "intersect/table/arithmetics.hpp"
+#include "measure/seeded.hpp"
+#include "shapes/sphere/forms/forms.hpp"
+
+namespace lostbits::test::test_recorded_rows {
+namespace {
+
+using intersect::Target;
+using intersect::table::Intersector;
+
+template <class Form>
+const Intersector& row_of_form() {
+    return *std::ranges::find(intersect::table::catalogue(), &Form::info, &Intersector::info);
+}
+
+/// A number that is 0, of which a ball knows only that it is less than 2^-100.
+Ball almost_zero() {
+    const Ball third = Ball(1) / Ball(3);
+    return third - third;
+}
+
+template <class Form>
+void check_open_sign() {
+    const Ball zero(0), half = Ball(1) / Ball(2);
+    const Ray<Ball> ray{{half, almost_zero(), zero}, {zero, Ball(1), zero}};
+    const Solid<Ball> solid(Sphere<Ball>{{zero, zero, zero}, Ball(1)});
+    const Hit<Ball> walked = row_of_form<Form>().ball(ray, solid);
+    const Hit<Ball> compiled = intersect::table::enclosed<Form, Ball>(ray, solid);
+    INFO(Form::info.name);
+    REQUIRE((almost_zero() < zero).is_unknown());
+    CHECK(walked.hit.is_yes());
+    CHECK(walked.t.radius() < 0x1p-90);
+    CHECK(std::fabs(walked.t.hi() - std::sqrt(0.75)) < 0x1p-50);
+    CHECK(walked.t.radius() <= compiled.t.radius());
+}
+
+template <class Form>
+void check_counts(Seeded& rng) {
+    const auto any = [&rng] { return static_cast<float>(rng.uniform(-4, 4)); };
+    for (int i = 0; i < 32; ++i) {
+        const Ray<float> ray{{any(), any(), any()}, {any(), any(), any()}};
+        const Solid<float> solid(Sphere<float>{{any(), any(), any()}, std::fabs(any())});
+        INFO(Form::info.name);
+        CHECK(row_of_form<Form>().count(ray, solid, HUGE_VALF) ==
+              intersect::table::count_of<Form>(ray, solid, HUGE_VALF));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a recorded form follows both sides of a sign that an enclosure leaves open", "[intersect][enclosures]") {
+    check_open_sign<intersect::sphere::Unified>();
+    check_open_sign<intersect::sphere::Press>();
+}
+
+TEST_CASE("a recorded form counts the operations of the form as it is written", "[intersect][counts]") {
+    Seeded rng(1);
+    check_counts<intersect::sphere::Unified>(rng);
+    check_counts<intersect::sphere::DoubleInside>(rng);
+    check_counts<intersect::sphere::TwoStep>(rng);
+}
+
+}  // namespace lostbits::test::test_recorded_rows
