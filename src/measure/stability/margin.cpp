@@ -7,6 +7,7 @@
 
 #include "measure/stability/quartic_cases.hpp"
 #include "measure/truth/missing.hpp"
+#include "shapes/capsule/parts.hpp"
 
 namespace lostbits::measure::stability {
 
@@ -81,18 +82,22 @@ std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const 
 namespace {
 
 template <class E>
-std::optional<Met> met_exactly(const QuarticSpan<E>& span, const RangeOfSpan<E>* range, intersect::Convention asked) {
+std::optional<SpanDecision> met_exactly(const QuarticSpan<E>& span, const RangeOfSpan<E>* range,
+                                        intersect::Convention asked) {
     const MetRoot<E> met = met_root(span, range, asked);
     if (met.hit.is_unknown()) return std::nullopt;
     const auto maximum = Turns(span).maximum();
-    if (met.hit.is_no() || met.root < 0 || !maximum) return Met{met.hit, met.at};
+    if (met.hit.is_no() || met.root < 0 || !maximum) return SpanDecision{met.hit, met.at};
     const auto order = met.roots.order(met.root, E(*maximum));
-    return Met{met.hit, met.at, !order ? Pass::either : *order < 0 ? Pass::first : Pass::second};
+    return SpanDecision{met.hit, met.at,
+                        !order       ? TorusPass::either
+                        : *order < 0 ? TorusPass::first
+                                     : TorusPass::second};
 }
 template <class E, class S>
-std::optional<Met> met_exactly(const S& span, const RangeOfSpan<E>* range, intersect::Convention asked) {
+std::optional<SpanDecision> met_exactly(const S& span, const RangeOfSpan<E>* range, intersect::Convention asked) {
     const Enclosed<E> found = enclose<E>(span, range, asked);
-    return found.hit.is_unknown() ? std::nullopt : std::optional(Met{found.hit, found.at});
+    return found.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{found.hit, found.at});
 }
 
 /// True if P has the sign of `value` for all problems from t₀ = n₀/m on, or from t₀ to t₁ = n₁/m: its value and slope
@@ -118,23 +123,28 @@ bool misses(const WallSpan<Near>& s) {
     const auto& [entry, exit] = std::pair(s.solid.at_entry.value, s.solid.at_exit.value);
     return s.solid.crossed.is_yes() && entry.highest() < 0 && exit.highest() < 0 ? true : misses(s.solid);
 }
+/// A ball is missed where the discriminant is below zero.
+bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }
 bool misses(const auto&) { return false; }
 
-/// The same for the line of a ray and a capsule: its cylinder without caps, and the balls at its ends.
-bool misses_capsule(const Ray<Near>& ray, const Solid<Near>& solid) {
-    return in_its_space<Capsule>(ray, solid, [](const Capsule<Near>& capsule, const Ray<Near>& its) {
-        const auto misses_ball = [&](const Vec<Near>& centre) {
-            return Sphere<Near>{centre, capsule.radius}.span(its).q.highest() < 0;
-        };
-        return misses_ball(capsule.start) && misses_ball(capsule.end) &&
-               misses(Cylinder<Near>{capsule.start, capsule.end, capsule.radius}.span(its));
+/// A primitive that is the union of others is missed by lines that miss each of them.
+bool misses_parts(const Ray<Near>& ray, const Solid<Near>& solid) {
+    return visit_shape(solid, [&]<template <class> class Of>() {
+        return in_its_space<Of>(ray, solid, [](const Of<Near>& shape, const Ray<Near>& its) {
+            bool all = false;
+            if constexpr (requires { each_part(shape, [](const auto&) {}); }) {
+                all = true;
+                each_part(shape, [&](const auto& part) { all = all && misses(part.span(its)); });
+            }
+            return all;
+        });
     });
 }
 
-/// What a ray meets, and whether that changes near it.
+/// The meeting of a ray and a primitive, and whether it changes near the ray.
 class Decision {
 public:
-    Decision(const Asked& asked, Turned turned) : asked_(asked), turned_(turned), met_(met_after({})) {}
+    Decision(const MarginQuestion& asked, Turned turned) : asked_(asked), turned_(turned), met_(met_after({})) {}
 
     /// True if all problems within ε meet the same, with a proof.
     bool holds(double epsilon, const Change& from = {}) {
@@ -186,7 +196,7 @@ private:
     static constexpr std::uint64_t most_starts = 2;
     static constexpr int most_steps = 2, most_asked = 16;
 
-    [[nodiscard]] std::optional<Met> met_after(const Change& change) const {
+    [[nodiscard]] std::optional<SpanDecision> met_after(const Change& change) const {
         return asked_.of_changed(change, [&](const auto& ray, const auto& solid, const auto* range, const auto& words) {
             return with_span(ray, solid, [&]<class Span>(const Span& span) {
                 return met_exactly(span, range, asked_of_span<Span>(words));
@@ -202,17 +212,17 @@ private:
     /// Known, and the same.
     std::pair<bool, bool> outcome_of(const Ray<Near>& ray, const Solid<Near>& solid, const RangeOfSpan<Near>* range,
                                      intersect::Convention words) {
-        if (met_->hit.is_no() && solid.shape == Shape::capsule && misses_capsule(ray, solid)) return {true, true};
-        const Met met = with_span(ray, solid, [&]<class Span>(const Span& span) {
+        if (met_->hit.is_no() && misses_parts(ray, solid)) return {true, true};
+        const SpanDecision met = with_span(ray, solid, [&]<class Span>(const Span& span) {
             const intersect::Convention asked = asked_of_span<Span>(words);
             if constexpr (std::is_same_v<Span, QuarticSpan<Near>>) {
                 return QuarticCases(span, range, asked, turned_, cases_).find();
             } else {
-                if (met_->hit.is_no() && misses(span)) return Met{Tri::no};
+                if (met_->hit.is_no() && misses(span)) return SpanDecision{Tri::no};
                 Near::signs_only = true;
                 const Enclosed<Near> found = enclose<Near>(span, range, asked);
                 Near::signs_only = false;
-                return Met{found.hit, found.at};
+                return SpanDecision{found.hit, found.at};
             }
         });
         return {!met.hit.is_unknown(), met.is_same(*met_, turned_)};
@@ -246,10 +256,10 @@ private:
         return way;
     }
 
-    const Asked& asked_;
+    const MarginQuestion& asked_;
     Turned turned_;
     Cases cases_;
-    std::optional<Met> met_;
+    std::optional<SpanDecision> met_;
     std::vector<Cases::Sign> blamed_;
     double tried_ = 0;
     int asked_exactly_ = 0;
@@ -260,7 +270,7 @@ private:
 Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turned, Perturbed perturbed,
                  intersect::Convention convention, Range<double> range) {
     if (!is_proper(ray) || !is_proper(solid)) return {0, 0};
-    const Asked asked(ray, solid, perturbed, convention, range);
+    const MarginQuestion asked(ray, solid, perturbed, convention, range);
     Decision decision(asked, turned);
     const double proved =
         largest([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
@@ -274,7 +284,7 @@ Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turn
 std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Solid<double>& solid, Turned turned,
                                      Perturbed perturbed, intersect::Convention convention, Range<double> range) {
     if (!is_proper(ray) || !is_proper(solid)) return std::nullopt;
-    const Asked asked(ray, solid, perturbed, convention, range);
+    const MarginQuestion asked(ray, solid, perturbed, convention, range);
     Decision decision(asked, turned);
     if (decision.holds(epsilon)) return false;
     return decision.turns(epsilon) ? std::optional(true) : std::nullopt;
@@ -306,7 +316,7 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidLis
         if (away > 8 * least) break;
         const Solid<double> solid = solids[i];
         if (!is_proper(ray) || !is_proper(solid)) continue;
-        const Asked asked(ray, solid, Perturbed::componentwise, convention, range);
+        const MarginQuestion asked(ray, solid, Perturbed::componentwise, convention, range);
         Decision decision(asked, Turned::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
@@ -326,7 +336,7 @@ double backward_error(const Ray<double>& ray, const Solid<double>& solid, double
                       intersect::Convention convention, Range<double> range) {
     if (!(t > 0)) return std::nan("");
     if (!is_proper(ray) || !is_proper(solid) || std::isinf(t)) return 0;
-    const Asked asked(ray, solid, perturbed, convention, range);
+    const MarginQuestion asked(ray, solid, perturbed, convention, range);
     const Near there(asked.in_time(t));
     return largest([&](double epsilon) {
         return asked.of_all_within(epsilon, [&](const auto& r, const auto& s, const auto* within, const auto& words) {

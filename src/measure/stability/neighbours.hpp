@@ -27,9 +27,9 @@ struct Change {
 
 /// A problem, and all problems within ε of it. Its units are those in which its largest length and its largest
 /// component of d are about 1; the choice of units changes no answer.
-class Neighbours {
+class ChangedProblems {
 public:
-    Neighbours(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed)
+    ChangedProblems(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed)
         : ray_(ray), solid_(solid), is_normwise_(perturbed == Perturbed::normwise) {
         for (int i = 0; i < 3; ++i) {
             numbers_[static_cast<std::size_t>(i)] = ray.origin[i];
@@ -160,10 +160,10 @@ bool all_proper(const Solid<Near>& solid) {
 }
 
 /// A problem with its convention and range, for questions about all problems near it.
-class Asked {
+class MarginQuestion {
 public:
-    Asked(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed, intersect::Convention convention,
-          Range<double> range)
+    MarginQuestion(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed,
+                   intersect::Convention convention, Range<double> range)
         : neighbours_(ray, solid, perturbed) {
         if (convention.endless) range.tmax = HUGE_VAL;
         convention_ = convention_in(range, convention.of(solid.shape));
@@ -197,7 +197,7 @@ public:
     }
 
 private:
-    Neighbours neighbours_;
+    ChangedProblems neighbours_;
     intersect::Convention convention_;
     Range<double> in_world_;
     std::optional<RangeOfSpan<Near>> range_;

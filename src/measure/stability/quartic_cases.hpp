@@ -10,17 +10,17 @@ namespace lostbits::measure::stability {
 
 /// Part of a torus that a ray meets, where its quartic f has two minima and a maximum between them: before the maximum
 /// or behind it. `either` where f has one minimum.
-enum class Pass : std::uint8_t { either, first, second };
+enum class TorusPass : std::uint8_t { either, first, second };
 
 /// What a ray meets.
-struct Met {
+struct SpanDecision {
     Tri hit = Tri::unknown;
     Crossing at = Crossing::begin;
-    Pass pass = Pass::either;
+    TorusPass pass = TorusPass::either;
 
-    [[nodiscard]] bool is_same(const Met& other, Turned turned) const {
+    [[nodiscard]] bool is_same(const SpanDecision& other, Turned turned) const {
         if (!(hit == other.hit)) return false;
-        const bool other_pass = pass != Pass::either && other.pass != Pass::either && pass != other.pass;
+        const bool other_pass = pass != TorusPass::either && other.pass != TorusPass::either && pass != other.pass;
         return turned == Turned::decision || (at == other.at && !other_pass);
     }
 };
@@ -62,23 +62,23 @@ public:
         if (range && (range->end.m > Near(0)).is_yes()) end_ = s.place(range->end.n);
     }
 
-    [[nodiscard]] Met find() {
+    [[nodiscard]] SpanDecision find() {
         const Near at_begin = span_.f.at(begin_), nothing(0);
         const Tri outside = at_begin > nothing, inside = at_begin < nothing;
         Near::Open* const outer = Near::open;
         Near::open = nullptr;
-        const Met met = outside.is_yes()                    ? from_outside()
-                        : inside.is_yes()                   ? from_inside()
-                        : outside.is_no() && inside.is_no() ? from_surface()
-                                                            : Met{};
+        const SpanDecision met = outside.is_yes()                    ? from_outside()
+                                 : inside.is_yes()                   ? from_inside()
+                                 : outside.is_no() && inside.is_no() ? from_surface()
+                                                                     : SpanDecision{};
         Near::open = outer;
         return met;
     }
 
 private:
-    [[nodiscard]] Met from_surface() const {
+    [[nodiscard]] SpanDecision from_surface() const {
         const bool counts = asked_.at_origin == intersect::AtOrigin::hit && asked_.touching == intersect::Touching::hit;
-        return counts ? Met{Tri::yes} : Met{};
+        return counts ? SpanDecision{Tri::yes} : SpanDecision{};
     }
     [[nodiscard]] bool is_ahead(double x) const { return Near(Near(x) - begin_).lowest() > 0; }
     [[nodiscard]] bool is_before_end(double x) const { return !end_ || Near(*end_ - Near(x)).lowest() > 0; }
@@ -86,7 +86,7 @@ private:
         return std::min(end_ ? end_->highest() : HUGE_VAL, span_.bound.highest() * (1 + 0x1p-40));
     }
 
-    [[nodiscard]] Met from_outside() {
+    [[nodiscard]] SpanDecision from_outside() {
         const auto maximum = turns_.maximum();
         for (int i = 0; i < turns_.at.count; i += 2) {
             const double x = turns_.at.x[static_cast<std::size_t>(i)];
@@ -97,24 +97,25 @@ private:
                 continue;
             }
             if (!maximum) return {Tri::yes, Crossing::near};
-            if (x < *maximum) return {Tri::yes, Crossing::near, Pass::first};
+            if (x < *maximum) return {Tri::yes, Crossing::near, TorusPass::first};
             if (turned_ == Turned::decision) return {Tri::yes, Crossing::near};
             if (!is_positive_from(begin_.lowest(), *maximum, 1)) return {};
-            return {Tri::yes, Crossing::near, Pass::second};
+            return {Tri::yes, Crossing::near, TorusPass::second};
         }
         if (end_) {
             const Near at_end = span_.f.at(*end_);
             if (at_end.highest() < 0)
                 return turned_ == Turned::decision || !maximum || end_->highest() < *maximum
-                           ? Met{Tri::yes, Crossing::near, maximum ? Pass::first : Pass::either}
-                       : is_positive_from(begin_.lowest(), *maximum, 1) ? Met{Tri::yes, Crossing::near, Pass::second}
-                                                                        : Met{};
+                           ? SpanDecision{Tri::yes, Crossing::near, maximum ? TorusPass::first : TorusPass::either}
+                       : is_positive_from(begin_.lowest(), *maximum, 1)
+                           ? SpanDecision{Tri::yes, Crossing::near, TorusPass::second}
+                           : SpanDecision{};
             if (!(at_end.lowest() > 0)) cases_.watch(at_end);
         }
-        return is_positive_from(begin_.lowest(), last(), 1) ? Met{Tri::no} : Met{};
+        return is_positive_from(begin_.lowest(), last(), 1) ? SpanDecision{Tri::no} : SpanDecision{};
     }
 
-    [[nodiscard]] Met from_inside() {
+    [[nodiscard]] SpanDecision from_inside() {
         using intersect::Inside;
         if (asked_.inside == Inside::miss) return {Tri::no};
         if (asked_.inside == Inside::zero) return {Tri::yes};
@@ -125,18 +126,18 @@ private:
                                                         span_.f.at(Near(*maximum)).lowest() > 0);
             if (!leaves) {
                 cases_.watch(at_end);
-                return is_positive_from(begin_.lowest(), end_->highest(), -1) ? Met{Tri::no} : Met{};
+                return is_positive_from(begin_.lowest(), end_->highest(), -1) ? SpanDecision{Tri::no} : SpanDecision{};
             }
         }
         if (turned_ == Turned::decision || !maximum) return {Tri::yes, Crossing::far};
         const Near most = span_.f.at(Near(*maximum));
         if (is_ahead(*maximum)) {
-            if (most.lowest() > 0) return {Tri::yes, Crossing::far, Pass::first};
+            if (most.lowest() > 0) return {Tri::yes, Crossing::far, TorusPass::first};
             if (!(most.highest() < 0)) cases_.watch(most);
         }
         const double second = turns_.at.x[2];
         const bool stays = !is_ahead(second) || is_positive_from(begin_.lowest(), second, -1);
-        return stays ? Met{Tri::yes, Crossing::far, Pass::second} : Met{};
+        return stays ? SpanDecision{Tri::yes, Crossing::far, TorusPass::second} : SpanDecision{};
     }
 
     /// True if `sign` times f is proved positive from `low` to `high`, for all problems.
