@@ -52,6 +52,21 @@ void check_counts(Seeded& rng) {
 
 }  // namespace
 
+TEST_CASE("every form of the catalogue answers over counted numbers and balls, recorded or compiled", "[intersect]") {
+    for (const Intersector& row : intersect::table::catalogue()) {
+        if (row.log) continue;  // marches: their target is a field
+        INFO(row.info->name);
+        Solid<double> solid(row.shape);
+        solid.numbers.fill(0.5);
+        const Ray<double> ray{{3, 2, 1}, {-1, -0.5, -0.25}};
+        const auto as_float = [](double x) { return static_cast<float>(x); };
+        const Ray<float> narrow{{3, 2, 1}, {-1, -0.5F, -0.25F}};
+        CHECK(row.count(narrow, transformed(solid, as_float), HUGE_VALF)[Operation::add] > 0);
+        CHECK_NOTHROW(row.ball({Vec<Ball>(Ball(3), Ball(2), Ball(1)), Vec<Ball>(Ball(-1), Ball(-0.5), Ball(-0.25))},
+                               transformed(solid, [](double x) { return Ball(x); })));
+    }
+}
+
 TEST_CASE("a recorded form follows both sides of a sign that an enclosure leaves open", "[intersect][enclosures]") {
     check_open_sign<intersect::sphere::Unified>();
     check_open_sign<intersect::sphere::Press>();

@@ -15,6 +15,8 @@ struct PovRay {
         .roots = Roots::first_only,
     };
 
+    static constexpr bool has_loops = true;
+
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const AlongAxis<T> in(ray, torus);
