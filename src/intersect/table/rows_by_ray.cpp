@@ -42,8 +42,8 @@ void fill_by_ray(std::span<Intersector> rows) {
             if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
             row.ball = enclosed<Form, Ball>;
             row.interval = enclosed<Form, Interval>;
-            row.count = count_of<Form>;
         }
+        row.count = count_of<Form>;  // as it runs: `a || b` on one ray does not compare b where a is true
         if constexpr (filters<Form>) row.way = way_of<Form>;
         if constexpr (marches<Form>) row.log = log_of<Form>;
     });

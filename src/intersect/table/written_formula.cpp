@@ -336,11 +336,11 @@ void WrittenForm::fill_arithmetics(Intersector& row) {
     row.rounded = {answer_rounded, this};
     row.ball = {enclose<Ball>, this};
     row.interval = {enclose<Interval>, this};
-    row.count = {count, this};
 }
 
 void WrittenForm::fill(Intersector& row) {
     fill_arithmetics(row);
+    row.count = {count, this};
     row.record = {record, this};
     row.record_all = {record_all, this};
     row.bounded = {answer_bounded, this};

@@ -54,7 +54,7 @@ public:
     WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64);
     /// The formula that `record_all` of a row records, at its first use. The row's `info` is kept.
     explicit WrittenForm(const Intersector& recorded);
-    /// Fills what follows from the formula alone: formats at run time, enclosures, counts. The row points here.
+    /// Fills formats at run time and enclosures. The row points here.
     void fill_arithmetics(Intersector& row);
     /// Fills the kernels of a row other than the native ones, in every arithmetic; the row points here.
     void fill(Intersector& row);

@@ -15,6 +15,8 @@ struct TorusDoubleInside {
         .formats = Formats::binary32_only,
     };
 
+    static constexpr bool has_loops = true;
+
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         return narrowed<T>(GraphicsGems::intersect(widened(ray), widened(torus)));
