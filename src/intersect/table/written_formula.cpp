@@ -165,18 +165,18 @@ private:
 
 /// The inputs by the numbers that `WrittenOperation::operands` gives them.
 template <class T>
-auto by_number(const Ray<T>& ray, const Solid<T>& solid, const T& end) {
-    return [&ray, &solid, &end](std::size_t k) -> T {
+auto by_number(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
+    return [&ray, &solid, &end, numbers = row_of(formula.shape).numbers](std::size_t k) -> T {
         if (k < 3) return ray.origin[static_cast<int>(k)];
         if (k < 6) return ray.direction[static_cast<int>(k - 3)];
-        return k - 6 < solid.used().size() ? solid.used()[k - 6] : end;
+        return k - 6 < numbers ? solid.numbers[k - 6] : end;
     };
 }
 
 template <class T>
 Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
     using intersect::table::by_number;
-    return Evaluation<T>(formula).run(by_number(ray, solid, end));
+    return Evaluation<T>(formula).run(by_number(formula, ray, solid, end));
 }
 
 const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own); }
@@ -185,15 +185,16 @@ template <class T, class S>
 void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
                  const HitBatch<S>& hits) {
     const std::size_t step = target.solids.size() == 1 ? 0 : 1;
+    const std::size_t numbers = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const std::span<const S> numbers = target.solids[i * step].used();
+        const Solid<S>& solid = target.solids[i * step];
         const S tmax = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
         const Hit<T> hit = evaluation.run([&](std::size_t k) -> T {
             if (k < 3) return T(ray.origin[static_cast<int>(k)]);
             if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
-            return T(k - 6 < numbers.size() ? numbers[k - 6] : tmax);
+            return T(k - 6 < numbers ? solid.numbers[k - 6] : tmax);
         });
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
@@ -355,7 +356,7 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
         const LiftedInputs<Recorded> in(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, Target<double>(any),
                                         HUGE_VAL);
         Evaluation<Recorded> run(formula);
-        const Hit<Recorded> hit = run.run(table::by_number(in.ray, in.target.get().solids.front(), in.tmax));
+        const Hit<Recorded> hit = run.run(table::by_number(formula, in.ray, in.target.get().solids.front(), in.tmax));
         for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(run.node(i));
         return hit;
     };
