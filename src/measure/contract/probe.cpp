@@ -364,7 +364,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     probe_of_t("range", try_range, trial.says(LB_RANGE));
     probe_of_t("scale", try_scale);
     if (!trial.says_broken()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
-    probe_of_t("edges", try_edges);
+    probe_of_t("edges", try_edges, !trial.breaks("facing"));  // half of its rays come from behind
     if (!held_back.empty())
         trial.probe("t", [&](Trial& t) { t.told("what follows from a wrong t is not judged: " + held_back); });
     try_odd_numbers(trial);
