@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "intersect/function/walk_parts.hpp"
 #include "number/error.hpp"
@@ -188,18 +189,28 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
     return all;
 }
 
+namespace {
+
+/// The part of a whole that the indices at the cursor name, and its offset.
+std::pair<const Type*, std::size_t> indexed_part(const Type& whole, Cursor& at) {
+    const Type* part = &whole;
+    std::size_t from = 0;
+    while (at.take(",") && at.peek() != '!') {
+        std::size_t more = 0;
+        part = part->part(static_cast<std::size_t>(at.integer()), more);
+        if (part == nullptr) at.fail("an index is outside of its type");
+        from += more;
+    }
+    return {part, from};
+}
+
+}  // namespace
+
 Value Walk::shuffled(State& state, std::string_view op, Cursor& at) {
     const Type* const type = module_.type(at);
     Value a = value(state, *type, at);
     if (op == "extractvalue") {
-        const Type* part = type;
-        std::size_t from = 0;
-        while (at.take(",") && at.peek() != '!') {
-            std::size_t more = 0;
-            part = part->part(static_cast<std::size_t>(at.integer()), more);
-            if (part == nullptr) at.fail("an index is outside of its type");
-            from += more;
-        }
+        const auto [part, from] = indexed_part(*type, at);
         return part_of(a, from, part->size);
     }
     at.expect(",");
@@ -219,14 +230,7 @@ Value Walk::shuffled(State& state, std::string_view op, Cursor& at) {
     const Type* const second_type = module_.type(at);
     const Value b = value(state, *second_type, at);
     if (op == "insertvalue") {
-        const Type* part = type;
-        std::size_t to = 0;
-        while (at.take(",") && at.peek() != '!') {
-            std::size_t more = 0;
-            part = part->part(static_cast<std::size_t>(at.integer()), more);
-            if (part == nullptr) at.fail("an index is outside of its type");
-            to += more;
-        }
+        const auto [part, to] = indexed_part(*type, at);
         put(a, to, part->size, b);
         return a;
     }
