@@ -193,7 +193,7 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
             give(p, "tmax");
         }
     }
-    // What no name tells stands in the order that everyone uses.
+    // Arguments whose names say nothing are taken in the usual order.
     for (const char* const role : {"o", "d"}) {
         if (has(role) || (std::string_view(role) == "d" && has("1/d"))) continue;
         for (const bool ray_only : {true, false}) {

@@ -258,7 +258,7 @@ void Walk::join(State& into, State&& other) {
         return all;
     };
     const Mask left = rest(into), right = rest(other);
-    // Where the two ways part by one decision, it alone tells them apart.
+    // If the two paths part by one decision, that decision alone separates them.
     Mask when = left;
     if (common < into.path.size() && common < other.path.size() &&
         nodes_.opposite(into.path[common]) == other.path[common])

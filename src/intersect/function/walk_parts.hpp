@@ -1,4 +1,4 @@
-// What the files of `Walk` share: flags of instructions, integers of any width, and lanes of vectors.
+// Parts that the files of `Walk` share: flags of instructions, integers of any width, and lanes of vectors.
 #pragma once
 
 #include <array>
@@ -72,7 +72,7 @@ inline bool holds(std::string_view predicate, std::int64_t a, std::int64_t b, in
 inline constexpr std::array whole_operations{"add", "sub",  "mul",  "udiv", "sdiv", "urem", "srem",
                                              "shl", "lshr", "ashr", "and",  "or",   "xor"};
 
-/// What a function is called in the source, for messages.
+/// The name of a function in the source, for messages.
 inline std::string shown(const std::string& name) {
     if (name.starts_with("llvm.")) return name.substr(5, name.find('.', 5) - 5);
     return name;

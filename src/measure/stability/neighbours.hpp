@@ -96,7 +96,7 @@ public:
         return all;
     }
 
-    /// What a change adds to each number, rounded towards 0.
+    /// The amount that a change adds to each number, rounded towards 0.
     [[nodiscard]] Amounts amounts(const Change& change) const {
         Amounts by{};
         for (std::size_t i = 0; i < end_; ++i) {
@@ -175,7 +175,7 @@ public:
     [[nodiscard]] double in_time(double t) const { return neighbours_.in_time(t); }
     [[nodiscard]] std::size_t count() const { return neighbours_.count(); }
     [[nodiscard]] Amounts amounts(const Change& change) const { return neighbours_.amounts(change); }
-    /// What a number may take of a way: all of it, or 1/3, so that a vector of nine has length 1 at most.
+    /// The share of a step that a number may take: all of it, or 1/3, so that a vector of nine has length 1 at most.
     [[nodiscard]] double share() const { return neighbours_.is_normwise() ? 1.0 / 3 : 1; }
     /// Result of `act(ray, solid, range, convention)` on all problems within `epsilon`; false where a matrix may be
     /// singular.

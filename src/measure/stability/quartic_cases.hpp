@@ -12,7 +12,7 @@ namespace lostbits::measure::stability {
 /// or behind it. `either` where f has one minimum.
 enum class TorusPass : std::uint8_t { either, first, second };
 
-/// What a ray meets.
+/// The meeting of a ray and a primitive.
 struct SpanDecision {
     Tri hit = Tri::unknown;
     Crossing at = Crossing::begin;
